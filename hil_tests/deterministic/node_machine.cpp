@@ -160,8 +160,8 @@ void NodeMachine::pause(bool on) {
   paused_ = on;
 }
 
-// What its device has taken by then is read first: later it could not be told from what it takes behind the
-// sleep.
+// Reads first what its device has taken by then: later it could not be distinguished from what it takes
+// behind the sleep.
 void NodeMachine::suspend(bool on, std::int64_t now_ns) {
   if (on) {
     if (runs()) (void)device(now_ns);
@@ -322,7 +322,8 @@ void NodeMachine::check_sleeps() {
     fault("its gaps are not as long as its sleeps");
 }
 
-// What it misses of its instant counts, by its own clock: it heard of that too late, or slept through it.
+// The scans that it misses from its instant on count, by its own clock: it heard of that too late, or slept
+// through it.
 void NodeMachine::begin_with(const Scan& first, bool wakes) {
   Program& p = *program_;
   p.has_first = true;

@@ -22,7 +22,7 @@
 namespace roadbalance::test {
 
 /// A worker node: the product's sealer, ring, spool and link, with a device, a clock and a power switch of
-/// the world's.  What it takes and seals goes into the truth.
+/// the world's.  The truth gets all that it takes and seals.
 class NodeMachine {
  public:
   NodeMachine(const FaultScenario& scenario, std::int32_t number, std::uint64_t seed, Truth& truth);

@@ -37,8 +37,8 @@ class PulseChip {
   /// Steps played since the last call, each with its time; waits until all have been.
   std::vector<gpio_pulse_step> played();
 
-  /// Removes the chip from the kernel and adds it again.  What is played meanwhile is no edge, but is a
-  /// level.
+  /// Removes the chip from the kernel and adds it again.  A step that is played meanwhile makes no edge, but
+  /// sets the level.
   static void unplug();
   static void plug();
   /// Adds a second chip of the same label, whose lines play nothing, and removes it.

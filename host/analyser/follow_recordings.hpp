@@ -11,8 +11,8 @@ namespace roadbalance {
 /// until it reports another; in between the last one stays.
 ///
 /// Before the first one options.vehicle describes the channels, if it is given: there are levels, and knocks
-/// are heard, before anything is recorded.  Of it and the files beside it the one is in force by which the
-/// nodes measure: whatever is chosen or changed between recordings counts at once.
+/// are heard, before anything is recorded.  Among it and the files beside it, the one by which the nodes
+/// measure is in force: whatever is chosen or changed between recordings counts at once.
 ///
 /// With options.exit_at_end it returns once the last recording has ended, its last estimate is out, and no
 /// node is left that could be recorded again.

@@ -11,9 +11,9 @@ namespace roadbalance {
 
 /// First and second order of every wheel with an encoder in the accelerations of every node, from the growing
 /// record: the vectors that `rb orders` finds in the finished one, but for what turned slower than
-/// kLeastRotation_hz.  Of wheels whose teeth are counted on the bus they are those of the angle as it was
-/// known live, and the 95 % of a phase do not hold what that angle is off all through the drive; `rb orders`
-/// computes both again from all that was recorded.
+/// kLeastRotation_hz.  Where the teeth of a wheel are counted on the bus, its vectors are those of the angle
+/// as it was known live, and the 95 % of a phase leave out the part of that angle's error that is the same
+/// all through the drive; `rb orders` computes both again from all that was recorded.
 ///
 /// A node's channels are analysed with each node that reads wheels for itself, so that a node that stays away
 /// costs its own channels only.  The price: every block is decoded and aligned once for every such pair it

@@ -13,8 +13,8 @@ namespace roadbalance {
 /// Gives the instants of a node's samples at which results on them are to be sent.
 ///
 /// Beats stand in the samples, one each interval from the epoch's first scan on: the results of a drive are
-/// of the same samples when it is played again, whatever the wall clock did.  Of samples that come much
-/// faster than they were taken beats are left out: results are then of a longer time.
+/// of the same samples when it is played again, whatever the wall clock did.  Beats are left out where
+/// samples come much faster than they were taken: results are then of a longer time.
 class SampleBeat {
  public:
   explicit SampleBeat(double interval_s) : interval_s_(interval_s) {}

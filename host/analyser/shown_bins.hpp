@@ -26,8 +26,8 @@ class ShownBins {
   double hz(std::size_t shown) const {
     return (static_cast<double>(shown) + 0.5 * (1.0 - 1.0 / static_cast<double>(merged_))) * step_hz();
   }
-  /// How many bins that scatter by themselves one is worth: those of a window wider than one share what they
-  /// say.
+  /// How many bins that scatter by themselves one is worth: those of a window wider than one share their
+  /// values.
   double worth() const {
     return std::max(1.0, static_cast<double>(merged_) / std::max(1.0, enbw_hz_ / step_hz_));
   }

@@ -30,8 +30,8 @@ class SpectrumView {
   void consume(const SealedBlock& block) { pool_.consume(block); }
   void consume(const ClockFit& fit) { pool_.consume(fit); }
 
-  /// All parts of all spectra that have something new.  Of those that cannot be computed (yet) one part
-  /// without bins, whenever the reason is another.
+  /// All parts of all spectra that have something new.  A spectrum that cannot be computed (yet) gives one
+  /// part without bins, whenever the reason changes.
   std::vector<SpectrumPart> parts(WallTime now);
 
  private:
@@ -39,7 +39,7 @@ class SpectrumView {
   struct Wanted {
     ChannelId channel;
     Kind kind;
-    TransferState state = TransferState::kComputed;           ///< of what was begun
+    TransferState state = TransferState::kComputed;       ///< of what was begun
     std::optional<std::pair<TransferState, int>> sent{};  ///< with how many averages
   };
   struct Viewer {

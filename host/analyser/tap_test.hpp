@@ -14,7 +14,7 @@ namespace roadbalance {
 /// Tap test: finds taps on a car that stands, which show which channel is which and its sign.
 ///
 /// A tap begins when some acceleration leaves the mean of the last second by kNoises times its rms and by
-/// kLeast_m_s2.  What follows within kWindow_s, and the few scans before, is looked at: a channel's first
+/// kLeast_m_s2.  The scans within kWindow_s behind it, and the few before, are looked at: a channel's first
 /// swing is the first that reaches kSwing of its peak, up to where it crosses the mean.  A filter before
 /// conversion makes it later and lower, and leaves its sign.
 ///

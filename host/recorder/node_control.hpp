@@ -21,8 +21,8 @@ namespace roadbalance {
 /// can have heard of it.
 ///
 /// A command is repeated with the same request number until it is answered or the heartbeat shows its effect;
-/// after a refusal it is asked anew.  An epoch that is silent is sent nothing.  Of more than kMostEpochs the
-/// one silent for longest is forgotten.
+/// after a refusal it is asked anew.  An epoch that is silent is sent nothing.  Beyond kMostEpochs, the epoch
+/// silent for longest is forgotten.
 class NodeControl {
  public:
   /// @param start          each node epoch in preview, or leave it there

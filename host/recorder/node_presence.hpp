@@ -17,7 +17,7 @@
 
 namespace roadbalance {
 
-/// Knows which nodes measure from the begin of a recording to its stop, and misses those that do not: notes
+/// Follows which nodes measure from the begin of a recording to its stop, and misses those that do not: notes
 /// for the record, absences for the report.  A pure state machine.
 ///
 /// A node is missed that is expected and does not come, and one that came and ended or fell silent.  One
@@ -40,7 +40,7 @@ class NodePresence {
   /// @param recovered  whose nodes are expected, too
   NodePresence(Options options, const RecordState& recovered);
 
-  /// Of an epoch that is recorded here.
+  /// The heartbeat is of an epoch that is recorded here.
   void take(const Heartbeat& heartbeat, WallTime now);
   /// It obeys another recorder.
   void take_foreign(std::int32_t node, WallTime now);

@@ -101,7 +101,7 @@ class RecorderLink {
   void set_incarnation(std::int64_t incarnation);
 
   RecorderReport report() const;
-  /// Of nodes that should have measured.
+  /// The absences of nodes that should have measured.
   std::vector<Absence> absences(WallTime now, std::int64_t utc_us) const {
     return presence_.absences(now, utc_us);
   }
@@ -112,7 +112,7 @@ class RecorderLink {
   std::vector<std::string> warnings() { return foreign_.sentences(); }
 
  private:
-  /// Knows the nodes that obey another recorder, and reports each once; a pure state machine.
+  /// Keeps the nodes that obey another recorder, and reports each once; a pure state machine.
   ///
   /// A node obeys a dead recorder until its lease is over, which is no news: it counts as another's after
   /// kPatience.

@@ -53,7 +53,7 @@ bool stays(JobOutcome outcome) {
   return is_whole_or_nothing(outcome) || outcome == JobOutcome::kCopy;
 }
 
-/// What is left of a job that was ended; begins with "; ", or is empty.
+/// The remains of a job that was ended; begins with "; ", or is empty.
 std::string left_of(JobOutcome outcome) {
   if (outcome == JobOutcome::kCopy) return "; what is copied already stays there, and begun again it goes on";
   return is_whole_or_nothing(outcome) ? "; nothing is left of it, and begun again it begins anew" : "";
@@ -202,7 +202,7 @@ void Jobs::run(const JobLine& line, const JobOrder& order, const ListedRecording
     std::fprintf(stderr, "rb-recordings: %s\n", why.c_str());
   }
   try {
-    // What it leaves is discarded, or goes on, when this program begins again.
+    // When this program begins again, it discards what this one leaves, or goes on with it.
     running_.emplace(Running{.place = place,
                              .line = line,
                              .began = now,

@@ -21,7 +21,7 @@ std::optional<RecordingsList::FileTime> last_change(const std::filesystem::path&
   return newest;
 }
 
-/// Its writer has it locked.  On a disk without locks nobody can tell.
+/// Its writer has it locked, or the disk has no locks that would show it.
 bool may_be_locked(const std::filesystem::path& folder) {
   try {
     File file = File::open_folder(folder);

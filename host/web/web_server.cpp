@@ -133,7 +133,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
   std::int64_t viewer_;
 };
 
-/// What all connections share.
+/// All connections share it.
 struct Shared {
   const WebServerOptions options;
   std::vector<std::weak_ptr<WebSocketSession>> sessions{};

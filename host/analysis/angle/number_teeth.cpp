@@ -128,7 +128,7 @@ class MarkVerdict {
       if (const auto counts = count_.counts(); counts[0] > 0) counts_ = counts;
     }
   }
-  /// Most of them do.  Of too few to be judged they are taken at their word.
+  /// Most of them do.  Marks that are too few to be judged are trusted.
   bool trusted() const { return good_ >= bad_ || counts_[0] == 0; }
   std::array<int, 2> counts() const { return counts_; }
 

@@ -36,8 +36,8 @@ struct NumberedTeeth {
 /// Pulses are followed tooth by tooth (ToothTracker), marks are placed among them.  A mark that stands alone
 /// against those around it is dropped; where the marks agree from one on that the count is off, the turn
 /// before it is numbered by a piecewise cubic through the marks and declared faulty.  So no slip outlives its
-/// turn.  Runs without a zero mark, or whose marks name no tooth, give no angle and are left out.  Of a ring
-/// that has no zero mark each run is numbered from a tooth of its own.
+/// turn.  Runs without a zero mark, or whose marks name no tooth, give no angle and are left out.  Without a
+/// zero mark on the ring, each run is numbered from a tooth of its own.
 NumberedTeeth number_teeth(const EncoderConfig& config, std::span<const Edge> edges);
 
 /// The same once the ring's errors are known: a pulse is then distinguished from its neighbours though errors

@@ -14,8 +14,8 @@ namespace roadbalance {
 /// encoder computes, again and better, as it may look at both sides of every instant.
 ///
 /// The pitch table and the place of the zero mark are learned from the whole drive first, so that its begin
-/// is as good as its end.  Where the wheel stood, turned backwards or had no zero mark, there is no angle. Of
-/// a ring without a zero mark it can be had how far the wheel has turned, ring errors and all.
+/// is as good as its end.  Where the wheel stood, turned backwards or had no zero mark, there is no angle. A
+/// ring without a zero mark gives how far the wheel has turned, ring errors and all.
 class RecordedAngle {
  public:
   RecordedAngle(const EncoderConfig& config, std::span<const Edge> edges);

@@ -8,8 +8,8 @@
 
 namespace roadbalance {
 
-/// How far a wheel has turned by the speeds that the bus told: the integral of straight lines between its
-/// messages over the rolling radius.
+/// How far a wheel has turned by the speeds on the bus: the integral of straight lines between its messages
+/// over the rolling radius.
 ///
 /// It is no angle: its origin is not known, and the radius is wrong by a per cent, so that it runs away
 /// by as much.  Over a few dozen turns it shows which orders there are and how large.

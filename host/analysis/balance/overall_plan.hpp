@@ -63,8 +63,8 @@ std::vector<SeatConfig> seats_of(const VehicleConfig& vehicle);
 OverallPlan plan_overall(const DriveForces& drive, const VehicleConfig& vehicle,
                          const std::array<Compensation, kWheels>& by_wheel);
 
-/// For each wheel by itself; the squares of all four add to those of the car.  What no speed shows of a wheel
-/// is NaN.
+/// For each wheel by itself; the squares of all four add to those of the car.  A wheel's value that no speed
+/// shows is NaN.
 ///
 /// @throws as seats_of
 std::array<WheelVibration, kWheels> wheel_vibration(const DriveForces& drive, const VehicleConfig& vehicle,

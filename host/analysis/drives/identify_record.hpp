@@ -32,7 +32,7 @@ struct DrivenRecording {
   RecordingDefects defects;
   /// For wheels whose angles were computed again: uncertainty common to the whole drive, rad, else 0.
   std::array<double, kWheels> common_sigma_rad{};
-  /// What speaks against their marks, and which nodes the recording lacks, for people.
+  /// Sentences for people: the evidence against their marks, and the nodes that the recording lacks.
   std::string contradictions;
 };
 

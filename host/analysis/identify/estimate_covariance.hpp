@@ -21,7 +21,7 @@ struct EstimateCovariance {
   /// and tyre dampers taken for known are good to.
   UnknownMatrix drive, model;
   SuspensionConditioning suspension;
-  /// Body, then the wheels.  Of the body the share is that of its roll inertia.
+  /// Body, then the wheels.  The body's share is that of its roll inertia.
   std::array<GoodnessOfFit, 1 + kWheels> fit{};
   /// By which share the mass of all wheels seems to differ from what is taken for known; 0 sigma: not judged.
   double mass_share = 0.0, sigma_mass_share = 0.0;
@@ -42,8 +42,8 @@ struct Priors {
 };
 
 /// For several drives the scatter of sections is widened to that of whole drives, each unknown by itself,
-/// where drives differ by more: Birge's ratio, never below 1.  What it adds rests on a few drives only, and
-/// counts for more the fewer they are (few_drives_factor).
+/// where drives differ by more: Birge's ratio, never below 1.  The part that it adds rests on a few drives
+/// only, and counts for more the fewer they are (few_drives_factor).
 ///
 /// Source: R. T. Birge, The calculation of errors by the method of least squares, Phys. Rev. 40 (1932)
 /// 207-227.

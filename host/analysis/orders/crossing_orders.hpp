@@ -18,7 +18,7 @@
 namespace roadbalance {
 
 /// Order vectors of several rotors together in channels of one node, by the Vold-Kalman filter: a check of
-/// OrderVectors, whose blocks of turns cannot tell orders apart that cross.
+/// OrderVectors, whose blocks of turns cannot separate orders that cross.
 ///
 ///     scan blocks ─▶ GridJoin ─▶ low-pass, every n-th ─▶ VoldKalmanBlocks ─▶ X once each 1/B ─▶ MeanVector
 ///
@@ -26,7 +26,7 @@ namespace roadbalance {
 /// samples are missing, an angle is not known or uncertain, or a wheel turns slower than RotorOrders does or
 /// faster than that. A channel's vectors within 1/B of an overload are left out, and those of orders that
 /// stay together: whose phases turn by less than half a turn against one another within 1/B before and
-/// behind.  What the recording did to an order is undone as in OrderVectors.
+/// behind.  The effect of the recording on an order is undone as in OrderVectors.
 class CrossingOrders {
  public:
   static constexpr double kLeast_hz = 2.0, kFastest_hz = 32.0;  ///< turns of a wheel a second

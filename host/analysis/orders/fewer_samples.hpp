@@ -33,7 +33,8 @@ class FewerSamples {
   /// @param angles  wheels; 1 at first.  Only between interrupt() and the next sample.
   void follow(std::size_t angles);
 
-  /// The angles of the next sample may be given.  Of others it is enough to say lose_angle() if one is lost.
+  /// The angles of the next sample may be given.  For other samples it is enough to call lose_angle() if one
+  /// is lost.
   bool wants_angle() const { return count_ == 0; }
   /// Angle of the next sample; without this call it is not known.
   void set_angle(std::size_t wheel, double angle_rad) { next_[wheel] = angle_rad; }

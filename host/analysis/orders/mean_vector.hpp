@@ -25,8 +25,8 @@ struct Confidence {
 /// Successive vectors may depend on each other - a road, or another wheel that turns almost in step, goes on
 /// for longer than a block - and then the scatter of single ones is too small a measure.  So vectors are
 /// also averaged in batches of 2, 4, 8 ... and of all lengths of which there are at least kLeastBatches, the
-/// one whose batches claim the largest variance of the mean counts.  What changes slower than a twelfth of
-/// the drive is not seen.
+/// one whose batches claim the largest variance of the mean counts.  Changes slower than a twelfth of the
+/// drive are not seen.
 ///
 /// Source: batch means as in J. Banks et al., Discrete-Event System Simulation, Prentice Hall 2010, 11.5.
 class MeanVector {

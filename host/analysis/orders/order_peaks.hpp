@@ -17,9 +17,9 @@ struct OrderPeak {
 /// as high as the lines fall to in the kPeakValley steps beyond - a resonance that the road excites is wider
 /// - and as the median of the lines within kPeakNeighbourhood orders: of a single block's noise, which is
 /// Rayleigh distributed, the highest of 150 lines is 2.7 medians.  The order is the mean of the peak's lines
-/// by their power, which is exact for a line that stands free.  What lies within the window's width of order
-/// 0 is the mean value, what is less than kPeakLeast of the highest peak may be left by the resampling of
-/// that.
+/// by their power, which is exact for a line that stands free.  Lines within the window's width of order 0
+/// are the mean value.  Lines below kPeakLeast of the highest peak may be left by the resampling of that
+/// peak.
 ///
 /// @param most  peaks
 std::vector<OrderPeak> find_peaks(const OrderSpectrum& spectrum, std::size_t most);

@@ -153,7 +153,7 @@ std::vector<Job> jobs_of(const VehicleConfig& vehicle, const WantedOrders& wante
   return jobs;
 }
 
-/// A wheel whose zero marks do not say where it stands is as good as one without.
+/// A wheel whose zero marks do not show where it stands is as good as one without.
 bool forget_useless_marks(AngleReprocessor& angles, VehicleConfig& vehicle) {
   bool any = false;
   for (int w = 0; w < kWheels; ++w) {
@@ -166,7 +166,7 @@ bool forget_useless_marks(AngleReprocessor& angles, VehicleConfig& vehicle) {
   return any;
 }
 
-/// For each node of the rotors; only all wheels together can be told apart.
+/// For each node of the rotors; only all wheels together can be separated.
 std::vector<std::unique_ptr<CrossingOrders>> crossings(
     const Job& job, const std::vector<std::unique_ptr<RotorOrders>>& rotors) {
   std::vector<std::unique_ptr<CrossingOrders>> all;

@@ -39,12 +39,12 @@ struct RecordOrders {
 
 /// Orders in a finished recording.
 ///
-/// Angles of wheels whose teeth are counted on the bus are computed again (AngleReprocessor); of one whose
-/// zero marks do not say where it stands it is counted how far it has turned, and Rotor::known_share is 0.  A
-/// wheel without an encoder whose speed is on the bus is analysed in the node that hears it, by how
-/// far it has turned: Quality::by_speed.  Then only spectra hold, for the turns run away from the wheel.
-/// Each rotor is analysed in each node for itself, and decodes and aligns the blocks of its nodes for itself.
-/// Where a node is behind or stays away every analysis with it holds GridJoin::kLongestWait_s of the others.
+/// Angles of wheels whose teeth are counted on the bus are computed again (AngleReprocessor); for one whose
+/// zero marks do not show where it stands it is counted how far it has turned, and Rotor::known_share is 0.
+/// A wheel without an encoder whose speed is on the bus is analysed in the node that hears it, by how far it
+/// has turned: Quality::by_speed.  Then only spectra hold, for the turns run away from the wheel.  Each rotor
+/// is analysed in each node for itself, and decodes and aligns the blocks of its nodes for itself.  Where a
+/// node is behind or stays away every analysis with it holds GridJoin::kLongestWait_s of the others.
 /// @throws ConfigError naming a wheel, rotor, channel or order that cannot be analysed, and what can; else as
 ///         read_recording
 RecordOrders orders_of_record(const std::filesystem::path& folder, const WantedOrders& wanted);

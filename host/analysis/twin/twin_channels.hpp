@@ -14,8 +14,8 @@ namespace roadbalance {
 enum class TwinPart : int { kBody = 0, kFront = 1, kRear = 2 };
 inline constexpr int kTwinParts = 3;
 
-/// The channels that the model of seven coordinates speaks of: vertical accelerometers on the body and the
-/// wheels' carriers.  Of others (fore-and-aft, sideways, not an acceleration) there is no prediction.
+/// The channels that the model of seven coordinates has: vertical accelerometers on the body and the wheels'
+/// carriers.  It has no prediction for others (fore-and-aft, sideways, not an acceleration).
 struct TwinChannels {
   struct One {
     int node;     ///< index into VehicleConfig::node

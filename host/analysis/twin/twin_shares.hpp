@@ -26,8 +26,8 @@ struct TwinAccount {
   TwinState state = TwinState::kSettling;  ///< not kComputed: nothing of what follows holds
   TwinFigures all, hop;                    ///< the whole band; kHopLow_hz .. kHopHigh_hz
   /// The share that would be explained if the prediction's gain and phase were right at each frequency: mean
-  /// of the coherence of measured and predicted, weighed by the measured density.  What is missing to 1 has
-  /// other causes than the prediction's, noise or another road than the other axle's.  By chance it is
+  /// of the coherence of measured and predicted, weighed by the measured density.  The part missing to 1 has
+  /// other causes than the prediction's: noise, or another road than the other axle's.  By chance it is
   /// greater than 0 by 1 / averages.  NaN: no spectrum yet.
   double coherent_all = 0.0, coherent_hop = 0.0;
 };
@@ -59,7 +59,8 @@ class TwinShares {
   /// @return the second that this sample completes, valid until the next call; else nothing
   const TwinSecond* add(const TwinSample& sample);
 
-  /// [channels] altogether; state kComputed if there is at least one second of it, else why there was none last.
+  /// [channels] altogether; state kComputed if there is at least one second of it, else why there was none
+  /// last.
   std::vector<TwinAccount> total() const;
   /// [channels] so many seconds of each are in it.
   const std::vector<int>& seconds() const { return seconds_; }

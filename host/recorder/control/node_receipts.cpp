@@ -89,7 +89,7 @@ std::vector<Receipt> completed(const std::vector<Receipt>& before, const Recorde
     receipt.overload_s += same->overload_s;
     receipt.sync_us = same->sync_us;
     receipt.absence = same->absence;
-    // It has told its end since, and that was the stop.
+    // It has sent its end since, and that was the stop.
     const auto ended_early = [&receipt](const NodeReport& epoch) {
       return epoch.node == receipt.node && epoch.ended_early;
     };

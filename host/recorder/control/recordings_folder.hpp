@@ -17,7 +17,7 @@ namespace roadbalance {
 ///
 /// While the recordings' disk is unmounted another's folder lies at its path; nothing is begun there.  A disk
 /// that is plugged in anew is another to the kernel: ours is the one that has the session state as it was
-/// written last, or was to be.  A recorder that is started while the disk is not mounted cannot know of it:
+/// written last, or was to be.  A recorder that is started while the disk is not mounted cannot see it:
 /// rb-recorder.service waits at the start for a disk that /etc/fstab mounts there, as long as systemd does; a
 /// disk that comes later is found when there is no work (is_on_another_disk()).
 class RecordingsFolder {

@@ -9,7 +9,7 @@
 
 namespace roadbalance {
 
-// Answers as messages: they bear the request's numbers, by which the asker knows them.
+// Answers as messages: they bear the request's numbers, by which the asker recognises them.
 
 RequestKey key_of(const Request& request);
 /// False: no answer is waited for, the recorder began by itself.

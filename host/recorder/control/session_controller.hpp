@@ -63,8 +63,8 @@ class SessionController {
   };
   /// A request that needs nodes which are about to return is answered as under way and not remembered: it is
   /// repeated until there is a last word.  A set-up needs all of them; a start waits for those that are
-  /// returning, and needs one: without another it is partial, and says so.  While nodes are being set up
-  /// nothing starts.
+  /// returning, and needs one: without another it is partial, and reported as such.  While nodes are being
+  /// set up nothing starts.
   void take(const Request& request, std::int64_t utc_us, const Nodes& nodes);
   /// Begins a recording without a request.
   void begin(const std::string& name, std::int64_t utc_us);

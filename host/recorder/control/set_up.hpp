@@ -58,9 +58,9 @@ class SetUp {
   /// As it is in force.
   VehicleConfig vehicle() const { return VehicleConfig::parse(text_, file_.string()); }
   const std::filesystem::path& file() const { return file_; }
-  /// Of its text, as in the nodes' heartbeats.
+  /// The CRC of its text, as in the nodes' heartbeats.
   std::uint32_t crc32c() const { return crc32c_; }
-  /// That a recording by it writes, about.
+  /// A recording by it writes about so much.
   double bytes_per_s() const { return bytes_per_s_; }
 
  private:

@@ -41,7 +41,7 @@ SleepInhibitor::SleepInhibitor() {
     return;
   }
   sd_bus_set_method_call_timeout(bus.get(), kPatience_us);
-  // What is done when the lid is closed may be refused to whom the rest is granted.
+  // logind may refuse the lid to a program to which it grants the other two.
   for (const char* what : {"sleep:idle:handle-lid-switch", "sleep:idle"}) {
     lock_ = ask(bus.get(), what, refusal_);
     if (lock_ >= 0) break;

@@ -206,7 +206,7 @@ TEST_F(NodePresenceTest, AComputerThatWasHeldMissesNobody) {
   EXPECT_EQ(noted(), Words());
 }
 
-/// Of a recorder that is started again.
+/// A recorder that is started again.
 class NodePresenceAgain : public ::testing::Test {
  protected:
   void run(NodePresence& presence, milliseconds time, const std::vector<Heartbeat>& beats) {

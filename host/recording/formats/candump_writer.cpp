@@ -33,7 +33,7 @@ std::string head_of(std::size_t id) {
   return format(") %s %03zX#", kInterface, id);
 }
 
-/// Of the channels, no two alike.
+/// The names of the channels, no two alike.
 std::vector<std::string> identifiers(const ExportGroup& group) {
   std::vector<std::string> names;
   std::set<std::string> taken;

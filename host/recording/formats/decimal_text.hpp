@@ -7,7 +7,7 @@
 
 namespace roadbalance {
 
-/// Decimals that a value needs so that counts of `scale` can be told from it: one more than they have.
+/// Decimals that a value needs so that it distinguishes counts of `scale`: one more than they have.
 inline int decimals_of(double scale) {
   return static_cast<int>(std::clamp(std::ceil(-std::log10(std::abs(scale))) + 1.0, 0.0, 15.0));
 }

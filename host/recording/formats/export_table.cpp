@@ -75,7 +75,7 @@ std::vector<std::pair<std::size_t, ExportChannel>> channels_of(const VehicleConf
   return all;
 }
 
-/// Of what the counts of each channel of the vehicle mean.
+/// The CRC of what the counts of each channel of the vehicle mean.
 std::uint32_t meaning_crc32c(const VehicleConfig& vehicle) {
   std::string text;
   for (const NodeConfig& node : vehicle.node)

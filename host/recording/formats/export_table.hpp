@@ -53,7 +53,7 @@ struct ExportPart {
 };
 
 /// Channels that have their samples at the same instants.  Row k stands at about first_ns + k / rate_hz; each
-/// block of rows says it exactly.
+/// block of rows has it exactly.
 struct ExportGroup {
   std::string name = {};
   double rate_hz = 0.0;        ///< in the mean

@@ -41,7 +41,7 @@ struct SampleRows {
 struct FileChannel {
   std::string name = {};
   std::string unit = {};  ///< as it stands there; empty: there is none
-  std::string node = {};  ///< that it comes from; empty: the file does not say
+  std::string node = {};  ///< that it comes from; empty: the file has none
   bool operator==(const FileChannel&) const = default;
 };
 

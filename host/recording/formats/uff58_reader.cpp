@@ -88,7 +88,7 @@ void pass_over(Lines& lines) {
   while (!lines.is_marker());
 }
 
-/// Of data set 164: units of length in a metre.
+/// From data set 164: units of length in a metre.
 double length_factor(Lines& lines) {
   lines.need("units");
   lines.need("conversion factors");

@@ -11,7 +11,7 @@ namespace roadbalance {
 /// are skipped.  All must have the same even abscissa of time in s; ordinates single or double precision,
 /// real. The channel's name is the first ID line; "NaN" is no sample.
 ///
-/// A channel's unit is the label in record 9.  Where it has none the kind of quantity in record 9 tells it,
+/// A channel's unit is the label in record 9.  Where it has none the kind of quantity in record 9 decides it,
 /// in the lengths of data set 164, or in SI if the file has none; where that, too, is unknown or general,
 /// there is no unit.
 ///

@@ -9,7 +9,7 @@
 
 namespace roadbalance {
 
-/// What recover() found.
+/// The findings of recover().
 struct Recovered {
   std::int64_t blocks = 0;            ///< of nodes, written
   std::int64_t blocks_filled = 0;     ///< of them: taken from behind the place where they were missing

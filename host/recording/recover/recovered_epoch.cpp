@@ -43,7 +43,7 @@ void RecoveredEpoch::write_block(const Timed& timed, const Write& write) {
   ended_ = ended_ || timed.block.kind == BlockKind::kEnd;
 }
 
-// Of several holes without scans between them only the total length is known: the last one gets it.
+// Only the total length of several holes without scans between them is known: the last one gets it.
 void RecoveredEpoch::write_waiting(std::int64_t next_scan, const Write& write) {
   auto last_hole = waiting_.end();
   std::int64_t before = last_sequence_;

@@ -26,7 +26,7 @@ std::vector<std::filesystem::path> cut_tails(const std::filesystem::path& folder
   return tails;
 }
 
-// Where each torn segment ends; is_torn_tail() tells torn from damaged.
+// Where each torn segment ends; is_torn_tail() distinguishes torn from damaged.
 std::map<int, std::uint64_t> torn_tails(const std::filesystem::path& folder, Disk& disk) {
   std::map<int, std::uint64_t> ends;
   const FinishedSegments finished = read_manifest(folder, disk);

@@ -321,7 +321,7 @@ std::string alarm_text(const Note& note) {
   return sentence_of(alarm_of(note.a, note.b)) + (began ? "" : " is over");
 }
 
-// Of a length; a record may hold anything.
+// Writes a length; a record may hold anything.
 std::string seconds_text(std::int64_t length_us) {
   const std::int64_t us = std::clamp(length_us, -kUtcLimit_us, kUtcLimit_us) * (length_us < 0 ? -1 : 1);
   return number(us / 1'000'000) + "." + number(us / 100'000 % 10) + " s";

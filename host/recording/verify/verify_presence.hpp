@@ -21,7 +21,7 @@ class PresenceCheck {
   void take_time(std::int64_t utc_us);
 
   /// By node; what lasts does so to the stop, or to the record's end.  A node that is not heard in the end
-  /// and has told its end since was only cut off: its rest was fetched.
+  /// and has sent its end since was only cut off: its rest was fetched.
   /// @param ended  the last epoch of each of these nodes has its end in the record
   std::vector<Absence> absences(const std::set<std::int32_t>& ended) const;
   /// "rear"; empty: not known.

@@ -303,7 +303,7 @@ class Local(unittest.TestCase):
         wrongs = [({"Origin": "http://evil.example"}, 403), ({"Origin": "null"}, 403),
                   ({"X_Roadbalance_Token": "0" * 32}, 401), ({"X_Roadbalance_Token": ""}, 401),
                   ({"X_Roadbalance_Token": self.program.token[:-1]}, 401),
-                  # What a page of somebody else's may send without asking first.
+                  # A page of somebody else's may send these without asking first.
                   ({"Content_Type": "text/plain"}, 415), ({"Content_Type": "application/x-www-form-urlencoded"}, 415)]
         with Ear() as ear:
             for wrong, code in wrongs:
@@ -469,7 +469,7 @@ class Views(unittest.TestCase):
         with rb_web() as program:
             codes = [get(program, "/view", method="POST", body=view(viewer), Origin=own(program))[0] for viewer in range(1, 41)]
             self.assertEqual(codes, 32 * [200] + 8 * [503])
-            # What its page shows above the plots.
+            # Its page shows this above the plots.
             refused = get(program, "/view", method="POST", body=view(33), Origin=own(program))[2]
             self.assertEqual(refused, b"Too many pages show plots: close one of them.\n")
             self.assertEqual(get(program, "/view", method="POST", body=view(1), Origin=own(program))[0], 200)

@@ -205,8 +205,8 @@ TEST(WeightPlan, WantsThePlaceThatIsListedFirst) {
         EXPECT_EQ(step.weight.place, places[0]) << grams;
   }
   // 34.2 +- 1 g: 35 g leave sqrt(0.8^2 + 1^2) = 1.281 g, and 40 g on 160 mm, which are 33.68 g here, 1.125 g
-  // and 0.013 g for their mass less: not worth half a touch, 0.25 g.  Of 32.5 g both 30 and 35 leave 2.69 g,
-  // and 40 g on 160 mm 1.55 g.
+  // and 0.013 g for their mass less: not worth half a touch, 0.25 g.  From 32.5 g both 30 and 35 leave 2.69
+  // g, and 40 g on 160 mm 1.55 g.
   WeightStock stock = kStock;
   stock.most = 1;
   stock.place = {{.radius_m = kRadius}, {.radius_m = 0.16}};

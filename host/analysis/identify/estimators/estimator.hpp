@@ -41,8 +41,8 @@ struct EstimatorAnswer {
 /// One way to find unknowns of the car from stretches of steady driving.
 ///
 /// Every estimator of the project stands behind this, so that one study measures them all and one recorded
-/// drive can be put to each.  Memory does not grow with the length of what was added, unless the estimator
-/// says so.
+/// drive can be put to each.  Memory does not grow with the length of what was added, unless the estimator's
+/// header states it.
 class Estimator {
  public:
   virtual ~Estimator() = default;
@@ -53,7 +53,7 @@ class Estimator {
   virtual EstimatorAnswer solve() const = 0;
 };
 
-/// A way there is, under the name that `rb identify --estimator` and the studies know it by.
+/// A way there is, under its name for `rb identify --estimator` and the studies.
 struct EstimatorKind {
   std::string name;
   std::string what;            ///< one line

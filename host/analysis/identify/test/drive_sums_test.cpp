@@ -138,7 +138,7 @@ TEST(BetweenDrives, TellsDrivesThatDifferByMoreThanTheirWeightsSay) {
 
 TEST(BetweenDrives, WidensByTheQuantileOfF) {
   // 95 % quantiles of F(2, m) of the tables: M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions,
-  // table 26.9.  Of chi^2 with two degrees of freedom it is 5.99.
+  // table 26.9.  For chi^2 with two degrees of freedom it is 5.99.
   EXPECT_NEAR(few_drives_factor(2.0) * 5.99 / 2.0, 19.00, 0.02);
   EXPECT_NEAR(few_drives_factor(4.0) * 5.99 / 2.0, 5.14, 0.01);
   EXPECT_NEAR(few_drives_factor(16.0) * 5.99 / 2.0, 3.32, 0.01);

@@ -131,7 +131,8 @@ TEST_F(CountedDrive, LiveOrdersAreThoseOfTheFinishedRecording) {
         const MeanVector expected = rotor->vectors().result(static_cast<int>(c), 0).all;
         const OrderReport::Vector& found = report.order[0][rotor->channel()[c]];
         // Its low-pass loses the first 24 ms, and so perhaps a turn: N blocks of 8 turns each then lie a turn
-        // later.  Of noise n a turn that is 1.4 n / (8 N) beside 95 % at 1.7 n / sqrt(8 N): 0.29 / sqrt(N).
+        // later.  Noise of n a turn makes that 1.4 n / (8 N) beside 95 % at 1.7 n / sqrt(8 N): 0.29 /
+        // sqrt(N).
         const double shifted = 0.29 / std::sqrt(static_cast<double>(expected.count()));
         EXPECT_LT(std::abs(found.value - expected.mean()), 2.5 * shifted * expected.confidence()->amplitude);
         EXPECT_NEAR(found.blocks, expected.count(), 1);

@@ -1,5 +1,5 @@
-// A drive of the simulated car, sealed as its front node would, through RotorOrders.  What the wheel carrier
-// does under an unbalance is computed beside it: (M + P / jw - Q / w^2) z'' = W F.
+// A drive of the simulated car, sealed as its front node would, through RotorOrders.  The motion of the wheel
+// carrier under an unbalance is computed beside it: (M + P / jw - Q / w^2) z'' = W F.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>

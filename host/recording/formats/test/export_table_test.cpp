@@ -20,7 +20,7 @@ VehicleConfig car() {
   return VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
 }
 
-/// Of nodes in the order in which they began, one after the other or, on one grid, at once.
+/// A survey of nodes in the order in which they began, one after the other or, on one grid, at once.
 RecordingSurvey survey_of(const VehicleConfig& vehicle, const std::vector<std::int32_t>& nodes) {
   RecordingSurvey survey{.vehicle = vehicle};
   for (const std::int32_t node : nodes)

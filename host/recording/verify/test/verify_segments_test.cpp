@@ -144,7 +144,7 @@ TEST_F(VerifyFinished, AnIndexProvesThatThereWasASegment) {
   EXPECT_EQ(v.damage, std::vector<std::string>{"seg-000003.lcm: is missing; its index is here"});
 }
 
-// Of the same length or more, and good in itself.
+// The segment is as long as its index has it or longer, and good in itself.
 TEST_F(VerifyFinished, AnEpochThatOnlyAnIndexKnowsIsDamage) {
   fs::remove(folder / "manifest.json");
   SegmentIndex index = *read_index(folder, 2);

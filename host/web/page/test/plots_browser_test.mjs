@@ -82,8 +82,8 @@ test("a spectrum tells the amplitude of a tone and the density of noise, with ch
   assert.equal(density.head[1], "fl_carrier_z (m/s2)^2/Hz");
   const hz = column(density, /frequency/), front = column(density, /fl_carrier_z/);
   assert.ok(Math.abs(hz[1] - 2000 / 4096) < 1e-6);
-  // 1.5 cos: 1.125 m2/s4; noise of 0.25 over 1000 Hz, of which 100 are shown.  What of it is on the tone's own bin adds
-  // to it or takes from it 2 sqrt(1.125 * 2.5e-4 * 0.73) = 0.03 in one block.
+  // 1.5 cos: 1.125 m2/s4; noise of 0.25 over 1000 Hz, of which 100 are shown.  The part on the tone's own bin adds to
+  // it or takes from it 2 sqrt(1.125 * 2.5e-4 * 0.73) = 0.03 in one block.
   const square = front.reduce((sum, value) => sum + value * hz[1], 0);
   assert.ok(Math.abs(square - (1.125 + 0.025)) < 0.06, `${square}`);
   assert.match(await text(page, "#spectrum-caption"), /Hann window, 4096 samples, 50 % overlap.*0\.488 Hz apart.*noise bandwidth 0\.732 Hz/);
