@@ -11,7 +11,7 @@
 
 namespace roadbalance::bench {
 
-/// What competes for one row: each does the same amount of work a call.
+/// One of those that compete for a row: each does the same amount of work a call.
 struct Contender {
   std::function<void()> work;
   std::vector<double> cpu_s{};  ///< of one call, one for each round

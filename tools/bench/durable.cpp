@@ -19,7 +19,7 @@
 #include "common/process/stop_on_signal.hpp"
 #include "common/types/clocks.hpp"
 
-// Listens to blocks and to what the recorder says of them until it is told to end: how long each block
+// Listens to blocks and to what the recorder reports of them until a signal ends it: how long each block
 // waited, from its first way over the bus, which follows its seal at once, until it was called durable.  Then
 // a line of JSON.
 
@@ -47,7 +47,7 @@ class Waiting {
 
  private:
   std::int64_t last_ = 0;
-  std::deque<Sent> blocks_;  ///< not durable yet, as they are told
+  std::deque<Sent> blocks_;  ///< not durable yet
 };
 
 }  // namespace

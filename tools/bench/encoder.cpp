@@ -10,7 +10,7 @@
 #include "host/analysis/angle/recorded_angle.hpp"
 #include "sim/pulse_train.hpp"
 
-// What following the encoders of a car costs: "core_percent" of one core, in real time.
+// The cost of following the encoders of a car: "core_percent" of one core, in real time.
 
 namespace roadbalance {
 namespace {

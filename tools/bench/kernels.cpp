@@ -16,7 +16,7 @@
 #include "host/recording/levels.hpp"
 #include "sim/front_end.hpp"
 
-// What each stage costs, in times real time of one node of 16 channels at 2 kHz ("real_time_x"); and the
+// The cost of each stage, in times real time of one node of 16 channels at 2 kHz ("real_time_x"); and the
 // model.
 
 namespace roadbalance {

@@ -20,7 +20,7 @@
 #include "host/analysis/spectra/spectra.hpp"
 #include "host/recording/levels.hpp"
 
-// What the analyser's live view costs: three nodes of 16 channels at 2 kHz; cross spectra of all pairs, 4096
+// The cost of the analyser's live view: three nodes of 16 channels at 2 kHz; cross spectra of all pairs, 4096
 // samples, Hann, 50 % overlap.  "core_percent" is what a stage costs of one core in real time; the table at
 // the end gives each stage's share of the whole.
 
@@ -87,7 +87,8 @@ void decode_blocks(benchmark::State& state) {
 }
 BENCHMARK(decode_blocks)->Unit(benchmark::kMillisecond);
 
-/// What `Meter` does with all blocks, decoded before; `told` at its end.
+/// Gives all blocks, decoded before, to a meter for each node, and the meters to `tell` after every
+/// `blocks_between` blocks of each node.
 template <typename Make, typename Tell>
 void meter(benchmark::State& state, const Make& make, const Tell& tell, int blocks_between) {
   const VehicleConfig car = vehicle();
@@ -114,7 +115,7 @@ void levels(benchmark::State& state) {
 }
 BENCHMARK(levels)->Unit(benchmark::kMillisecond);
 
-/// Of all channels, twenty times a second: somebody looks at each of them.
+/// Envelopes of all channels, twenty times a second: somebody looks at each of them.
 void envelopes(benchmark::State& state) {
   meter(
       state, [](const VehicleConfig& car, std::size_t n) { return EnvelopeMeter(car.node[n]); },
@@ -126,7 +127,7 @@ void envelopes(benchmark::State& state) {
 }
 BENCHMARK(envelopes)->Unit(benchmark::kMillisecond);
 
-/// Of all channels over ten seconds, once a second.
+/// Spectra of all channels over ten seconds, once a second.
 void spectra_for_everybody(benchmark::State& state) {
   meter(
       state, [](const VehicleConfig& car, std::size_t n) { return SpectrumMeter(car.node[n]); },
@@ -173,7 +174,7 @@ void pairs_bin_by_bin(benchmark::State& state) {
 }
 BENCHMARK(pairs_bin_by_bin)->Arg(kPerNode)->Arg(kAll)->Unit(benchmark::kMillisecond);
 
-/// What a display of one pair asks for, ten times a second.
+/// A display of one pair asks for this, ten times a second.
 void one_pair_shown(benchmark::State& state) {
   CrossSpectra spectra({.welch = kWelch, .channels = kAll, .memory = 20});
   spectra.add(samples());
@@ -184,7 +185,8 @@ void one_pair_shown(benchmark::State& state) {
 }
 BENCHMARK(one_pair_shown)->Unit(benchmark::kMicrosecond);
 
-/// Of a core, for the live view of 3 x 16 channels at 2 kHz with all pairs, blocks of 4096.
+/// The allowed percentage of a core for the live view of 3 x 16 channels at 2 kHz with all pairs, blocks of
+/// 4096.
 constexpr double kMost_percent = 3.0;
 
 constexpr std::array kStages{"decode_blocks", "levels",       "envelopes",     "spectra_for_everybody",
@@ -208,7 +210,7 @@ class Shares : public benchmark::ConsoleReporter {
     return names;
   }
 
-  /// Of the stages of the live view, all of which were measured.
+  /// Prints the stages of the live view, all of which were measured.
   /// @return percent of a core of all of them
   double print() const {
     std::map<std::string, double> stages;

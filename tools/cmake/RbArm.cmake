@@ -1,5 +1,5 @@
 # Programs for a bare Cortex-M7, beside the host's: the same sources, compiled once more by Debian's cross compiler.
-# Without it nothing is built, and the tests say that they are skipped.
+# Without it nothing is built, and the tests report that they are skipped.
 
 find_program(RB_ARM_CXX arm-none-eabi-g++)
 find_program(RB_ARM_AR arm-none-eabi-ar)

@@ -6,7 +6,7 @@
 #   roadbalance-cluster rb-mpi, where it was built: of its own, for no car needs MPI and ssh
 #
 # cpack --preset arm64 makes them for 64-bit ARM, without the cluster's.
-# What belongs to which is said where it is built (rb_program(... PACKAGE name), rb_unit).
+# Each file's package is named where the file is built (rb_program(... PACKAGE name), rb_unit).
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME roadbalance)

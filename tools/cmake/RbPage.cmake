@@ -70,7 +70,7 @@ std::span<const Asset> page_assets() {
 }
 }  // namespace roadbalance
 ")
-  # Of a source in a batch cmake forgets what its object depends on.
+  # cmake forgets what the object of a source in a batch depends on.
   set_source_files_properties(${table} PROPERTIES OBJECT_DEPENDS "${files}" SKIP_UNITY_BUILD_INCLUSION ON)
   rb_library(${target} ${table})
 endfunction()

@@ -34,7 +34,7 @@ if(RB_SANITIZE)
   target_link_options(rb_options INTERFACE -fsanitize=${RB_SANITIZE})
 endif()
 
-# What the sanitizers are told by the tests' environment.
+# The sanitizers' options in the tests' environment.
 set(RB_SANITIZER_ENVIRONMENT "TSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/tsan.supp"
   "LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tools/cmake/lsan.supp:print_suppressions=0")
 # ASan keeps what was freed, up to so much, to notice who still uses it; where a test weighs memory that would be growth.
@@ -95,7 +95,7 @@ endfunction()
 
 # rb_tests(name... [PROGRAM program] [DEPENDS target...] [PROGRAMS target...]): each test/<name>.cpp is one CTest.  All of a directory are one
 # program, <directory>_tests, which runs the files it is given (common/test/main.cpp), but those that name another of their own.  PROGRAMS
-# are what the tests start from $RB_BIN, which their label `programs` tells.
+# are what the tests start from $RB_BIN, which their label `programs` shows.
 # With BUILD_TESTING off (tools/demo on a bare machine) there are no tests.
 function(rb_tests)
   if(NOT BUILD_TESTING)
@@ -131,8 +131,8 @@ function(rb_lanes_tests)
 endfunction()
 
 # rb_guest_tests(name... [RT] [DEPENDS target...] [PROGRAMS target...] [FILES path...]): the same for tests that need the
-# guest machine's kernel, and FILES beside its programs.  They are of the test configuration `guest`, so that a plain ctest
-# does not know them; hil_tests/run boots the guest and runs there those with the label guest or, with RT, guest-rt.
+# guest machine's kernel, and FILES beside its programs.  They are of the test configuration `guest`, so that a plain
+# ctest leaves them out; hil_tests/run boots the guest and runs there those with the label guest or, with RT, guest-rt.
 function(rb_guest_tests)
   if(NOT BUILD_TESTING)
     return()
@@ -175,7 +175,7 @@ macro(rb_test_program variable)
   endif()
 endmacro()
 
-# What such a program is given to run one test: its file; a program of the caller's own runs whole.
+# Such a program runs one test by the name of its file; a program of the caller's own runs whole.
 macro(rb_files_of_test variable name)
   set(${variable} ${name}.cpp)
   if(arg_PROGRAM)

@@ -110,7 +110,7 @@ class CandumpSamples final : public SampleSource {
     return std::nullopt;
   }
 
-  /// Of an older release neither the frame nor its message has data.
+  /// In a file of an older release neither the frame nor its message has data.
   void expect_same_channels(const DbcMessage& start, const CanFrame& frame) const {
     const DbcSignal* const meaning = start.signal(kCandumpMeaning);
     if (frame.size != start.size ||

@@ -248,7 +248,7 @@ std::string sha256_of(const std::filesystem::path& path) {
   return hexadecimal(digest.end());
 }
 
-/// What the record keeps of where it is from: the file, then the units as they were read.
+/// The origin, as the record keeps it: the file, then the units as they were read.
 std::vector<std::string> origin_of(const SampleImport& import, const ImportReport& report) {
   std::vector<std::string> notes{import.samples.filename().string() + ", SHA-256 " + report.sha256};
   std::string some;

@@ -16,8 +16,8 @@
 namespace roadbalance {
 
 /// The recording that an import makes: the blocks of all nodes side by side, as a recorder would have got
-/// them, between them the marks, and at the beginning from which file they are.  What waits for its turn is
-/// held, no more.
+/// them, between them the marks, and at the beginning from which file they are.  It holds what waits for its
+/// turn, no more.
 class ImportedRecord {
  public:
   /// @param origin    texts of notes: the file that this is made of, its units
@@ -26,7 +26,7 @@ class ImportedRecord {
                  std::vector<ImportedMark> marks);
 
   /// Those of a node in their sequence: an edge block bears the time of its first edge, before scans that are
-  /// sealed already.  Of all nodes the vehicle's description comes before the first write_before().
+  /// sealed already.  The vehicle's description of all nodes comes before the first write_before().
   /// @param node  position; of two blocks of one instant the lower comes first
   void add(std::size_t node, const SealedBlock& block);
   /// All that came before an instant.

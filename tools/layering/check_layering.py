@@ -14,7 +14,7 @@ TOPS = ("common", "firmware", "host", "sim", "tools", "hil_tests")
 ROOMS_FILE = "tools/layering/rooms.txt"
 DRAWN = {"common": "common/README.md", "host": "host/README.md"}
 
-# What stays in one place: beginning of an include -> the only paths that may have it.
+# Includes that stay in one place: beginning of an include -> the only paths that may have it.
 KEPT = {
     "toml++/": "common/config/toml_library.hpp",
     "toml.hpp": "common/config/toml_library.hpp",

@@ -164,7 +164,7 @@ class CheckLayering(unittest.TestCase):
                            (header("struct A"), header("struct B {\n  struct A {};\n} b; struct C"))]:
             code, output = run({"common/bus/a.hpp": one, "host/a/b.hpp": other})
             self.assertEqual((code, output), (0, ""))
-        # What only one file sees is its own.
+        # A definition that only one file sees is its own.
         self.assertEqual(run({"common/a/a.hpp": header("struct A"), "common/a/a.cpp": header("struct A")}), (0, ""))
 
     def test_an_empty_tree_is_not_a_clean_one(self):

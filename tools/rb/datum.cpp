@@ -110,7 +110,7 @@ bool lead(DatumDialogue& dialogue, EdgeListener& listener, TypedLines& lines, co
   return dialogue.done();
 }
 
-/// Says on standard error what stands in the way, and then returns nothing.
+/// Reports on standard error what stands in the way, and then returns nothing.
 /// @throws ConfigError, or as the recordings and the bus do
 std::optional<FoundDatum> datum_by_turning(const DatumOptions& options, const WheelConfig& wheel,
                                            const NodeConfig& node) {
@@ -170,7 +170,7 @@ TrialWeight weight_of(const DatumOptions& options, double weight_radius_m) {
           options.at_sigma_deg / kDegrees};
 }
 
-/// Says on standard error what stands in the way, and then returns nothing.
+/// Reports on standard error what stands in the way, and then returns nothing.
 /// @throws ConfigError, or as the recordings and the bus do
 std::optional<FoundDatum> datum_by_weight(const DatumOptions& options) {
   const auto before = unbalance_in(options.before, options.wheel);

@@ -31,7 +31,7 @@ const std::vector<Group> kGroups{
     {"Develop",
      {add_model,
       [](CLI::App& app, int&) {
-        list_program(app, "study", "Repeats an experiment over many seeds and says what came out");
+        list_program(app, "study", "Repeats an experiment over many seeds and prints what came out");
         list_program(app, "mpi", "Studies, and identification from many recordings, over a cluster");
       }}},
 };
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done, 1 the answer is no, 2 usage or configuration, 3 incomplete but every gap "
       "declared, 4 cannot read or write.\n"
-      "Errors are said on standard error; then --json prints nothing.\n\n"
+      "Errors are printed on standard error; then --json prints nothing.\n\n"
       "rb help COMMAND prints the help of one.  rb NAME runs the program rb-NAME, beside rb or in a folder "
       "of "
       "PATH, where rb has no such command itself.");

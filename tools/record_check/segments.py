@@ -31,7 +31,7 @@ class Segments:
         if not self.paths:
             raise FileNotFoundError(f"recording {folder} holds no segment (seg-000001.lcm)")
         self.numbers = sorted(self.paths)
-        # Of the segment deleted last: those behind it may have been given up.
+        # The number of the segment deleted last: those behind it may have been given up.
         indexes = (number_of(path.name, ".idx") or 0 for path in self.folder.iterdir())
         self.before = max((number for number in indexes if number < self.numbers[0]), default=0)
         self.finished = self._read_manifest()

@@ -24,8 +24,8 @@ struct SpectrumPeak {
 std::vector<SpectrumPeak> spectrum_peaks(const std::vector<double>& density, std::size_t first,
                                          double averages, std::size_t most);
 
-/// SVG of a one-sided density over frequency, both logarithmic, from 0.5 Hz to half the rate.  Of bins that
-/// fall on one another the highest is drawn; peaks are marked with their frequency.
+/// SVG of a one-sided density over frequency, both logarithmic, from 0.5 Hz to half the rate.  Where bins
+/// fall on one another, the highest is drawn; peaks are marked with their frequency.
 /// @param density  [bins]
 std::string spectrum_chart(const std::vector<double>& density, double step_hz, double averages);
 

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Tells builds apart: results of another build are not results of this one.
+/// Distinguishes builds: results of another build are not results of this one.
 std::uint32_t build_mark() {
   std::ifstream file("/proc/self/exe", std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};

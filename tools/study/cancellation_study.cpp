@@ -17,9 +17,9 @@ const char* const kTurned = "0.95, in step, angles drawn at each speed";
 /// For front and rear line phasors U_f, U_r e^{j d_s} in sections s = 1 .. n of alike roads with the inverse
 /// spectrum [1, -g; -g*, 1] / (S (1 - c)), |g|^2 = c, the information sums to n [1, -g r; -g* r*, 1] / (S (1
 /// - c)) with r the mean of e^{j d_s}; its inverse has the variance S (1 - c) / (n (1 - c |r|^2)) instead of
-/// S / n. One angle all through is r = 1 and gains nothing.  Of four angles drawn evenly the mean of 1 / (1 -
-/// 0.95 |r|^2) is 1.54, so that sqrt(0.05 x 1.54) = 1 / 3.6 is left; the sheet's joint solution leaves 1
-/// / 3.4 of 25 runs.  Wheels that turn apart are left sqrt(0.05) = 1 / 4.5.
+/// S / n. One angle all through is r = 1 and gains nothing.  For four angles drawn evenly the mean of 1 / (1
+/// - 0.95 |r|^2) is 1.54, so that sqrt(0.05 x 1.54) = 1 / 3.6 is left; the sheet's joint solution leaves 1 /
+/// 3.4 of 25 runs.  Wheels that turn apart are left sqrt(0.05) = 1 / 4.5.
 constexpr double kTurnedGain = 3.0;
 
 std::vector<TrialCase> cancellation_cases(const Json& settings) {

@@ -14,8 +14,8 @@
 namespace roadbalance {
 
 /// The demonstration car at four speeds of 110 .. 130 km/h on four independent roads of class A, without
-/// end and without noise: phasors of its accelerations and all moments, exactly.  What remains of an error
-/// is bias.
+/// end and without noise: phasors of its accelerations and all moments, exactly.  The error that remains is
+/// bias.
 class EndlessDrive {
  public:
   /// @param unbalance  of the wheels, kg m

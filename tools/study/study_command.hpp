@@ -19,7 +19,8 @@ using Campaigner = std::function<std::optional<std::vector<nlohmann::ordered_jso
     const Campaign& campaign, const Experiment& experiment)>;
 
 /// The purpose of the command, in one line.
-inline constexpr const char* kStudySentence = "Repeats an experiment over many seeds and says what came out";
+inline constexpr const char* kStudySentence =
+    "Repeats an experiment over many seeds and prints what came out";
 
 /// Makes a command one that runs a study: its name and options; of commands a command below it goes before.
 /// The callback puts its exit code into `code`; it throws ConfigError (kUsage) or another std::exception

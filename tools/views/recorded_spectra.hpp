@@ -21,7 +21,7 @@ int segment_samples(double segment_s, double rate_hz);
 /// By their names as options.
 const std::map<std::string, Window>& windows_by_name();
 
-/// Says on standard error why not one segment was found.
+/// Reports on standard error why not one segment was found.
 void say_no_segment(const char* command, const JointSpectra& spectra);
 
 }  // namespace roadbalance

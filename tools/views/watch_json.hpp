@@ -7,7 +7,7 @@
 namespace roadbalance {
 
 /// One line of rb watch --json: "wheels" and "compensation" (null without an estimate), and "recorders",
-/// "nodes", "clocks" and "orders", an object for each that is heard.  What is not known is null.
+/// "nodes", "clocks" and "orders", an object for each that is heard.  A value that is not known is null.
 nlohmann::ordered_json watch_json(const BusView& view);
 
 /// The objects of these.

@@ -120,8 +120,8 @@ TEST_F(ImportDrive, WithPulsesComesToTheResultOfTheNodesThemselves) {
     ASSERT_EQ(found.state, Unknown::kNone) << kWheelNames[w];
     // A value of seven decimals is within 5e-8 m/s^2, under a hundredth of a count of 50 m/s^2 / 2^23: after
     // rounding the counts are the same but for rare halves, and stamps within half a nanosecond.  The clock
-    // fitted to the stamps may differ by as much over the drive.  What is left is far below one part in a
-    // million of the result.
+    // fitted to the stamps may differ by as much over the drive.  The difference that is left is far below
+    // one part in a million of the result.
     EXPECT_NEAR(found.unbalance_g, expected.unbalance_g, 1e-6 * expected.unbalance_g) << kWheelNames[w];
     EXPECT_NEAR(std::remainder(found.angle_rad - expected.angle_rad, 2.0 * std::numbers::pi), 0.0, 1e-6)
         << kWheelNames[w];

@@ -90,7 +90,7 @@ class IdentifyWith : public testing::Test {
   nlohmann::json reported_;
 };
 
-/// What limits it are the springs and dampers that the drive tells, and noise.
+/// Noise limits it, and how well the drive determines springs and dampers.
 TEST_F(IdentifyWith, UsesARoadThatWasMeasured) {
   drive(car(true), 200);
   ASSERT_EQ(identify("windowed-road"), kDone) << log_;

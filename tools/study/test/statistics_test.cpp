@@ -43,7 +43,7 @@ TEST(Acceptance, OfNothingIsNotMet) {
   EXPECT_EQ(line["answers"], 2);
 }
 
-// One side of four sigma is 3.2e-5.  Of 20 throws of a coin none and 1 are rarer (21 / 2^20 = 2.0e-5), 2 are
+// One side of four sigma is 3.2e-5.  In 20 throws of a coin none and 1 are rarer (21 / 2^20 = 2.0e-5), 2 are
 // not (211 / 2^20 = 2.0e-4).
 TEST(ShareLimits, AreThoseOfTheBinomialDistribution) {
   EXPECT_NEAR(share_limits(0.5, 20).least, 10.0, 1e-9);

@@ -18,7 +18,7 @@ TEST(WheelAngle, IsInTheDirectionOfRotationOnBothSidesOfTheCar) {
     EXPECT_NEAR(*parse_wheel_angle("6:00 ", left) * kDegrees, 180.0, 1e-9);
   }
   // Driving forward the upper half goes to the front: seen from outside to the right on the car's right
-  // side, to the left on its left side.  What has turned by 90 degrees stands in front.
+  // side, to the left on its left side.  A point that has turned by 90 degrees stands in front.
   EXPECT_NEAR(*parse_wheel_angle("3:00", false) * kDegrees, 90.0, 1e-9);
   EXPECT_NEAR(*parse_wheel_angle("9:00", true) * kDegrees, 90.0, 1e-9);
   EXPECT_NEAR(*parse_wheel_angle("10:30", true) * kDegrees, 45.0, 1e-9);

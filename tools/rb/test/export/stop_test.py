@@ -10,7 +10,7 @@ import unittest
 
 from recorded import RB, Exports, run
 
-# What memory may differ by.  The thread sanitizer keeps four bytes of its own beside each.
+# Memory may differ by so much.  The thread sanitizer keeps four bytes of its own beside each.
 FLAT_kB = 4_000 * (5 if os.environ["RB_SANITIZE"] == "thread" else 1)
 
 
