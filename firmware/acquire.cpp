@@ -14,8 +14,8 @@ namespace {
 
 /// How long to leave a device alone that waits for us, or a sink that is full after the end.
 constexpr auto kPatience = std::chrono::microseconds(200);
-/// Told to stop, how long the last scans may wait for what their references need: a silent device brings it
-/// never.
+/// How long the last scans may wait, after a stop, for what their references need: a silent device never
+/// brings it.
 constexpr auto kLastReferences = std::chrono::seconds(1);
 
 void count_turn(AcquireLink& link) noexcept {

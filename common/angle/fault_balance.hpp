@@ -6,7 +6,7 @@
 
 namespace roadbalance {
 
-/// Tells teeth that are missing or too many from teeth whose stamps jitter.
+/// Distinguishes teeth that are missing or too many from teeth whose stamps jitter.
 ///
 /// A stamp that jitters by nearly half a pitch leaves its own tooth without a pulse and is one too many at
 /// the next: where stamps jitter so much, the two cancel within two teeth, as a turn with them has exactly

@@ -9,7 +9,7 @@
 
 namespace roadbalance {
 
-/// Tells which tooth is which by the errors of the ring itself, where the count was lost and no zero mark has
+/// Finds which tooth is which by the errors of the ring itself, where the count was lost and no zero mark has
 /// come since.
 ///
 /// The deviation of each of at least a turn of teeth from a cubic through the eight on either side is

@@ -18,7 +18,7 @@ struct BusAddress {
 };
 
 /// "udpm://GROUP:PORT?ttl=N&recv_buf_size=N", each part of which may be missing, as LCM reads it, but for
-/// numbers that are not decimal and the receive buffer, for which LCM does not ask unless it is told; nothing
+/// numbers that are not decimal and the receive buffer, for which LCM asks only if the URL gives it; nothing
 /// if it is no such address.
 std::optional<BusAddress> bus_address(const std::string& url);
 

@@ -26,7 +26,7 @@ struct Fields<ClockExchange> {
 template <>
 struct Fields<ClockFit> {
   using Wire = wire::clock_fit_t;
-  // No oscillator is wrong by a tenth: a fit that says so is none.
+  // No oscillator is wrong by a tenth: a fit with such a drift is none.
   static constexpr double kMostDrift = 0.1;
   static void list(auto& field, auto& f, auto& m) {
     field(f.node, m.node, is_node);

@@ -57,7 +57,7 @@ inline constexpr std::size_t kMostReasonBytes = 240;
 
 enum class Advice : std::int32_t {
   kUnknown = 0,         ///< the unbalance is not known
-  kSteps = 1,           ///< what the plan says
+  kSteps = 1,           ///< those of the plan
   kLeaveUncertain = 2,  ///< it may be none: it lies inside its own 95 % ellipse
   kLeaveSmall = 3,      ///< no weight there is would make it enough less
 };

@@ -13,7 +13,7 @@ template <>
 struct Fields<Job> {
   using Wire = wire::job_t;
   static void list(auto& field, auto& j, auto& m) {
-    // Without jobs a single message says so, whose other fields mean nothing.
+    // Without jobs a single message reports that; its other fields mean nothing.
     const auto of_a_job = [&m](auto bound) {
       return [&m, bound](auto value) { return m.jobs == 0 || bound(value); };
     };

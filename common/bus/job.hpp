@@ -11,7 +11,7 @@ namespace roadbalance {
 
 inline constexpr const char* kJobChannel = "RB_JOB";
 inline constexpr const char* kDocumentChannel = "RB_DOCUMENT";
-inline constexpr std::int32_t kMostJobs = 8;  ///< that are told, one of them running
+inline constexpr std::int32_t kMostJobs = 8;  ///< that are reported, one of them running
 inline constexpr std::size_t kPartBytes = 1200;
 inline constexpr std::int32_t kMostParts = 32;  ///< of a document
 
@@ -30,7 +30,7 @@ enum class JobState : std::int32_t {
   kRunning = 1,
   kHeld = 2,     ///< waits: a recording is under way, whose disk it leaves alone
   kDone = 3,     ///< and all is well
-  kNotWell = 4,  ///< done, and what it found is bad: the text says what
+  kNotWell = 4,  ///< done, and what it found is bad; text: what
   kFailed = 5,   ///< it could not be done
   kCancelled = 6,
   kInterrupted = 7,  ///< rb-recordings ended before it

@@ -24,7 +24,7 @@ enum class Operation : std::int32_t {
   kZero = 6,     ///< the mean of the last seconds is the reading at rest (node; 0: every one)
   kVehicle = 7,  ///< chooses the vehicle file (text: its name in the recorder's folder, no path)
   kJob = 8,      ///< does something with a finished recording (value 0: JobKind; text: RECORDING or
-                 ///< RECORDING/KEY=VALUE/..., as host/recordings/job_order.hpp says; no name has a slash)
+                 ///< RECORDING/KEY=VALUE/..., as in host/recordings/job_order.hpp; no name has a slash)
   kCancel = 9,   ///< ends a job before it is done (value 0: its number)
   kScale = 10,   ///< a channel's scale by gravity, both ways up (node, channel; value 0: 1 if the positive
                  ///< direction points up now, -1 if down); the second of the two sets it
@@ -58,7 +58,7 @@ enum class RefusalReason : std::int32_t {
   kMoving = 8,        ///< the car must stand still
   kNotSupported = 9,  ///< the node's device does not have it; text: what it has
   kNoAnswer = 10,     ///< a node did not answer
-  kNotOperable = 11,  ///< this recorder records what its command line says, until it is stopped there
+  kNotOperable = 11,  ///< this recorder records what its command line asks for, until it is stopped there
   kBusy = 12,         ///< one thing at a time; text: which is under way
 };
 

@@ -11,7 +11,7 @@ namespace roadbalance {
 
 inline constexpr const char* kRecordingChannel = "RB_RECORDING";
 inline constexpr std::size_t kMostReceiptNodes = 8, kMostReceiptMarks = 6;
-inline constexpr std::int32_t kMostRecordings = 64;  ///< that are told, the newest
+inline constexpr std::int32_t kMostRecordings = 64;  ///< that are reported, the newest
 
 enum class RecordingState : std::int32_t {
   kNotRead = 0,     ///< waits for its receipt
@@ -43,8 +43,8 @@ struct RecordingSummary {
   std::int64_t first_us = 0, last_us = 0, bytes = 0, refused = 0, damaged_bytes = 0;
   double rate_hz = 0, cutoff_hz = 0;  ///< 0: not known
   std::int32_t most_reduction = 0;    ///< 0: not known
-  std::vector<Node> node{};           ///< the first kMostReceiptNodes are told
-  std::vector<Mark> mark{};           ///< the first kMostReceiptMarks are told with their texts
+  std::vector<Node> node{};           ///< the first kMostReceiptNodes are reported
+  std::vector<Mark> mark{};           ///< the first kMostReceiptMarks are reported with their texts
   std::int32_t marks = 0;
   std::string verdict{};  ///< cut after 160 bytes
 };

@@ -21,7 +21,7 @@ struct Remark {
   std::string text{};        ///< cut after kMostRemarkBytes
 };
 
-/// The messages that say these sentences: one each, or one that there is none.
+/// The messages that carry these sentences: one each, or one that there is none.
 std::vector<Remark> remarks_of(std::int64_t time_ns, const std::vector<std::string>& sentences);
 
 std::vector<std::uint8_t> encode(const Remark& remark);

@@ -21,7 +21,7 @@ std::vector<RecordedType> block_types();
 /// These and what the recorder adds.
 std::vector<RecordedType> recorded_types();
 
-/// Whether these bytes, whole (they end with their CRC), are what only a newer release knows: a message of
+/// Whether these bytes, whole (they end with their CRC), are what only a newer release reads: a message of
 /// none of these types, or a note of another kind.
 bool is_of_newer_release(std::span<const std::uint8_t> bytes);
 

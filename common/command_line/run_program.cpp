@@ -19,7 +19,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// CLI11 alone would only say that a subcommand is required.
+/// CLI11 alone would only report that a subcommand is required.
 void refuse_unknown_command(CLI::App& app, const std::vector<std::string>& words) {
   CLI::App* command = &app;
   std::string path = app.get_name();
@@ -30,7 +30,7 @@ void refuse_unknown_command(CLI::App& app, const std::vector<std::string>& words
   }
 }
 
-/// CLI11 alone would not say which program and command does not take it.
+/// CLI11 alone would not name the program and command that does not take it.
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   std::string path = app->get_name();
   for (auto chosen = app->get_subcommands(); !chosen.empty(); chosen = chosen.front()->get_subcommands())

@@ -31,8 +31,8 @@ template <int kVectors, typename Vector>
   for (int v = 0; v < kVectors; ++v) std::memcpy(to + v * kLanesOf<Vector>, &values[v], sizeof(Vector));
 }
 
-/// Some vectors of channels from `first` on.  For an order that the compiler knows (0: that of the step) each
-/// state is read once.
+/// Some vectors of channels from `first` on.  For an order that is known at compile time (0: that of the
+/// step) each state is read once.
 template <int kLanes, int kVectors, int kOrder>
 [[gnu::always_inline]] inline void advance_channels(const Step& s, Eigen::Index first) {
   using Vector = typename Lanes<kLanes>::Vector;

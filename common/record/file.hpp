@@ -51,7 +51,7 @@ class File {
   std::uint64_t size() const;
   /// Asks for space; the length stays as it is.  A filesystem that cannot is no error: the write will fail.
   void reserve(std::uint64_t offset, std::uint64_t bytes) noexcept;
-  /// Tells the system that this file is read from begin to end.
+  /// Announces to the system that this file is read from begin to end.
   void read_ahead() const noexcept;
   /// The next bytes read come from the disk, as far as they were synced.
   void forget_cache() const noexcept;

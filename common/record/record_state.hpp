@@ -80,7 +80,7 @@ RecordState read_state(const std::filesystem::path& folder, Disk& disk = kernel_
 bool holds_all_of(const RecordState& record, const std::filesystem::path& folder, RecordState before,
                   Disk& disk = kernel_disk());
 
-/// Told at the end of each segment that is read, with the state there.
+/// Called at the end of each segment that is read, with the state there.
 using AtSegmentEnd = std::function<void(int segment, const RecordState& state)>;
 /// As read_state(), from segment `first` on, which continues `state` but for the clocks.
 void read_segments(const std::filesystem::path& folder, int first, RecordState& state,

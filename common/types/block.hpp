@@ -56,8 +56,8 @@ constexpr bool is_declared_by_host(GapCause cause) {
 
 enum class MetaKind : std::int32_t { kVehicleToml = 1, kRecordJson = 2 };
 enum class NodeState : std::int32_t { kPreview = 0, kStarted = 1, kEnded = 2, kFailed = 3 };
-/// Why a node does not measure, or does not any more.  Up to kProgramEnded the node tells it itself
-/// (heartbeat_t.end_cause), those behind are its recorder's.
+/// Why a node does not measure, or does not any more.  Up to kProgramEnded the node reports it itself
+/// (heartbeat_t.end_cause); those behind are its recorder's.
 enum class AbsenceCause : std::int32_t {
   kNone = 0,        ///< it measures
   kStopped = 1,     ///< by a command
