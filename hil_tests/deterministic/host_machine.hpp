@@ -78,7 +78,7 @@ class HostMachine {
   /// Holds the rest against it.  The recorder is gone.
   void check_record();
   RecordCheck& check() { return check_; }
-  /// Behind check_record(): the nodes that its record says were absent, and whether it is called complete.
+  /// Behind check_record(): the nodes that were absent by its record, and whether it is called complete.
   std::vector<Absence> absences();
   bool is_called_complete();
   std::int64_t began_ns() const { return began_ns_; }  ///< its first start

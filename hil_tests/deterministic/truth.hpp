@@ -18,7 +18,7 @@ struct EpochTruth {
   std::int64_t scans = 0;  ///< taken between start and stop or death, those that the device lost included
   bool ended = false;      ///< its end is sealed
   bool killed = false;
-  bool gone = false;  ///< its program ended in order: its owner had everything, but others may not know
+  bool gone = false;  ///< its program ended in order: its owner had everything, but others may not have heard
   int openings = 0;   ///< runs of the node that called it theirs; one, if all is well
   std::int64_t promised = 0;    ///< called durable by an acknowledgement of any recorder
   bool gave_up = false;         ///< its own disk failed: it may give back blocks that were not called durable

@@ -526,7 +526,7 @@ void World::check_finished() {
 
 namespace {
 
-/// Shorter ones may go unnoticed where no epoch tells of them.
+/// Shorter ones may go unnoticed where no epoch shows them.
 constexpr std::int64_t kSurely_ns = 4 * kSecond_ns;
 constexpr std::int64_t kMoment_ns = kSecond_ns;
 constexpr double kNear_s = 1.5;  // lost heartbeats, and the time to be claimed and started

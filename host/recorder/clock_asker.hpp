@@ -45,7 +45,7 @@ class ClockAsker {
 
   void take(const ClockDatagram& datagram, const UdpAddress& from, const Stamp& heard);
 
-  /// This computer was suspended: its clock knows how long, but not to the microsecond.
+  /// This computer was suspended: its clock shows how long, but not to the microsecond.
   void host_slept();
 
   /// Exchanges that are complete, since the last call.

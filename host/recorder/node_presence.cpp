@@ -70,7 +70,7 @@ void NodePresence::take(const Heartbeat& beat, WallTime now) {
   if (beat.is_over()) {
     if (other_epoch) return;
     const bool was_cut_off = node.cause == AbsenceCause::kSilent;
-    // Behind the stop each node ends as it is told; one that was cut off has measured till then.
+    // Behind the stop each node ends as commanded; one that was cut off has measured till then.
     if (stopped_ && !was_cut_off) return;
     node.came = node.is_over = true;
     node.epoch = beat.epoch;

@@ -49,7 +49,7 @@ class Reception {
         link_(link_options(options), incarnation.number, recovered),
         peers_(std::move(peers)),
         alarms_(incarnation.number) {
-    reserve_heap_for(nodes_provided_for_);  // before they are told to begin
+    reserve_heap_for(nodes_provided_for_);  // before they are commanded to begin
     // First: that a node has a clock of its own is announced before its blocks are handed on.
     bus_.subscribe("RB_HEARTBEAT_.*", [this](std::string_view, auto bytes) { announce_clock(bytes); });
     for (const char* channels : {"RB_HEARTBEAT_.*", "RB_BLOCK_.*", "RB_REPLY_.*"})

@@ -17,9 +17,9 @@
 #include "common/types/clocks.hpp"
 #include "common/types/scan.hpp"
 
-// Looks at the transfer functions of each node from its first channel to every other until it is told to end:
-// what costs an analyser the cross spectra of all pairs.  Then a line of JSON: samples from one
-// segment to the next, and pairs of a node and the most averages that were told of it.
+// Looks at the transfer functions of each node from its first channel to every other until a signal ends it,
+// which costs an analyser the cross spectra of all pairs.  Then a line of JSON: samples from one segment to
+// the next, and pairs of a node and the most averages that were reported of it.
 
 using namespace roadbalance;
 using namespace std::chrono_literals;

@@ -2,7 +2,7 @@
 #
 #   roadbalance-node    rb-node with its unit, the front-end board's udev rule
 #   roadbalance-host    recorder, analyser, list of recordings and page with their units
-#   roadbalance-tools   rb and rb-study, the guide with its car, vehicle files to begin with and what is said of them
+#   roadbalance-tools   rb and rb-study, the guide with its car, vehicle files to begin with and their pages
 #   roadbalance-cluster rb-mpi, where it was built: of its own, for no car needs MPI and ssh
 #
 # cpack --preset arm64 makes them for 64-bit ARM, without the cluster's.

@@ -25,7 +25,8 @@ struct ChannelUnit {
   std::string meaning = {};  ///< a clause in English: "9.80665 m/s^2 each"; empty: the channel is not read
 };
 
-/// One for each column.  Without a unit in the file, and without a person's word, SI is assumed, and said.
+/// One for each column.  Without a unit in the file, and without a person's word, SI is assumed, and
+/// reported.
 /// @throws ConfigError naming the option, or the file and channel: a unit that is not known, that is none of
 /// an
 ///         acceleration (of a length for role road), or volts without a sensitivity

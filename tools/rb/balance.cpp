@@ -91,7 +91,7 @@ RotorConfig rotor_of_records(const std::vector<WeightedDrive>& drives, const std
   return *first.rotor_named(name);
 }
 
-/// The angle may have been read better, or the encoder fitted anew: a record does not tell which.
+/// The angle may have been read better, or the encoder fitted anew: a record does not show which.
 void warn_of_datum(const WeightedDrive& first, double first_rad, const WeightedDrive& drive, double rad) {
   if (rad != first_rad)
     std::fprintf(stderr,

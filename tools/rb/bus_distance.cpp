@@ -70,7 +70,7 @@ class SpeedIntegral {
   }
   const SpeedDistance& distance() const { return distance_; }
   const Signal& signal() const { return signal_; }
-  /// Nothing if it is too old to say anything of an instant.
+  /// Nothing if it is too old to show anything at an instant.
   std::optional<double> speed_at(std::int64_t time_ns) const {
     if (!newest_m_s_ || 1e-9 * static_cast<double>(time_ns - time_ns_) > kLongestSilence_s)
       return std::nullopt;

@@ -62,7 +62,7 @@ struct Survey {
 
     bool is_known() const { return last && last->is_known(); }
   };
-  /// How well the wheel on a line is known by what its blocks say.
+  /// How well the angle of the wheel on a line is known by its blocks.
   struct Angle {
     double square = 0.0;  ///< of the standard deviation, summed over scans
     std::int64_t scans = 0;

@@ -47,7 +47,7 @@ class Description:
 
 def read_recorded_types(segments):
     """All types that the record describes, from its bytes alone.  @param segments  logs as (bytes, events)"""
-    # The layout of meta_t, which no text can tell before it is read: fingerprint, the header, these, text.
+    # The layout of meta_t, which no text can give before it is read: fingerprint, the header, these, text.
     at = 8 + 4 + 5 * 8
     for log, events in segments:
         description = Description()

@@ -26,7 +26,7 @@ class Epoch:
         self.contradictions = []
         self.end = None
         self.crashed, self._was_over = False, deleted[3]  # before the first block here
-        # CRC-32C over the CRCs of the blocks, big endian, in their order: the node's end says it of those before.
+        # CRC-32C over the CRCs of the blocks, big endian, in their order: the node's end has it of those before.
         self._sum_before, self._only_of_node = deleted[2], True
         self._waiting = {}
         self._runs, self._crcs = [], []  # first number of each run of blocks; their CRCs
@@ -124,7 +124,7 @@ class Epoch:
             self.contradictions.append(f"the end is block {self.end.sequence} of {blocks}, the last one here is block "
                                        f"{self.last_sequence}")
         here = self.samples + self.samples_missing + self.deleted_scans
-        # How many are missing in a declared loss that does not say it, the end tells.
+        # The end shows how many are missing in a declared loss that does not state it.
         if sealed + missing > here and any(gap["cause"] in ("lost_at_node", "lost_in_record") and not gap["scans_known"]
                                            for gap in self.gaps):
             self.samples_missing += sealed + missing - here

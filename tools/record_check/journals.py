@@ -51,7 +51,7 @@ class JournalCheck:
 
     @staticmethod
     def _compare(journal, blocks):
-        # Gaps of no scans say where they are, as far as their node knew, and not where scans are.
+        # Gaps of no scans state where they are, as far as their node could, and not where scans are.
         with_scans = [block for block in blocks if block.scans > 0]
         placed = [block for block in blocks if block.kind in ("SCAN", "GAP")]
         first, last = journal["first_sequence"], journal["last_sequence"]

@@ -24,7 +24,7 @@
 
 namespace roadbalance {
 
-/// The newest of every result and heartbeat on the bus: all that a display may know.
+/// The newest of every result and heartbeat on the bus: all that a display may show.
 class BusView {
  public:
   explicit BusView(const std::string& url);

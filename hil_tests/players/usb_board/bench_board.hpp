@@ -41,7 +41,7 @@ struct Bench {
   std::function<std::optional<LineChange>()> next_change;
 };
 
-/// The real board's firmware on a bench: this is its hardware layer.  Knows no USB.
+/// The real board's firmware on a bench: this is its hardware layer.  Without USB.
 ///
 /// Time passes only in advance(): everything up to then happens, in order, each with its exact stamp.
 class BenchBoard final : private board::Hardware {

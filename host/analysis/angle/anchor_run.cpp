@@ -44,7 +44,7 @@ class Expected {
     const std::int64_t turn = std::llround(way / teeth_);
     return {turn, way - static_cast<double>(turn) * teeth_};
   }
-  /// The count of teeth has slipped by so many from the first of these marks on, as the next ones say too.
+  /// The count of teeth has slipped by so many from the first of these marks on, as the next ones show, too.
   bool slipped(std::span<const ChainedMark> marks, std::int64_t slip) const {
     double evidence = 0.0;
     std::int64_t last_turn = std::numeric_limits<std::int64_t>::min();

@@ -18,7 +18,7 @@ class AngleSmoother {
  public:
   /// @param points  at least LocalFit::kLeastPoints, in order of time
   /// @param noise   variance of the position of one tooth, pitches^2, > 0
-  /// False if they tell no motion.
+  /// False if they show no motion.
   [[nodiscard]] bool smooth(const std::vector<WheelPoint>& points, double noise);
 
   /// Position at an instant between the first and the last point, pitches.

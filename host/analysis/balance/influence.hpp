@@ -40,8 +40,8 @@ std::optional<Eigen::VectorXcd> correction_by_influence(const Eigen::MatrixXcd& 
 ///     w = -(A* A)^-1 A* bare
 ///
 /// As many runs as planes and one more are needed, whose weights differ in all planes: one without weights,
-/// and one with a trial weight in each; a trial weight may stay on for the runs that follow, which then say
-/// so. All must have the same phase reference and speed.
+/// and one with a trial weight in each; a trial weight may stay on for the runs that follow, which then list
+/// it. All must have the same phase reference and speed.
 ///
 /// Source: T. P. Goodman, A Least-Squares Method for Computing Balance Corrections, J. Engineering for
 /// Industry 86 (1964) 273-279.

@@ -19,7 +19,7 @@ bool within_own_uncertainty(const Balance& balance);
 
 /// Weights will not cure a force or an unbalance that is beyond its limit by two standard deviations, nor a
 /// force that would be left of what turns with the wheel.  Where the unbalance may be none, only the first is
-/// said.
+/// reported.
 ///
 /// @param balance  state kNone
 /// @param rotor_mass_kg, rolling_radius_m  of the wheel

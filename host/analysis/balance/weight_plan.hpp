@@ -25,8 +25,8 @@ WeightPlan plan_weights(std::complex<double> unbalance_g_m, double deviation_g_m
                         const std::vector<WheelWeight>& fitted = {});
 
 /// "clip 15 g at 37° on the outer flange", "stick 15 g at 37° in the inner plane", "move the 20 g clip from
-/// 10° to 50° on the outer flange", "remove the 5 g adhesive weight at 90° in the inner plane"; where nobody
-/// told how weights hold "add 15 g at 37°"; where the wheel has several radii with "(190 mm)" behind the
+/// 10° to 50° on the outer flange", "remove the 5 g adhesive weight at 90° in the inner plane"; where it is
+/// not given how weights hold "add 15 g at 37°"; where the wheel has several radii with "(190 mm)" behind the
 /// place.
 /// @param radii  at which weights of the wheel are or can be, at least 1
 std::string to_string(const WeightStep& step, int radii = 1);

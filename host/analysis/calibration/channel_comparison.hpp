@@ -27,7 +27,7 @@ class ChannelComparison {
     std::string reference{};  ///< channel that stays as it is; empty: the medians
   };
   /// A channel further from the others' size than this share is not matched but left as it is: what an input
-  /// hears of its neighbours, or a range that vehicle.toml does not know.
+  /// hears of its neighbours, or a range that vehicle.toml does not have.
   static constexpr double kMostMismatch = 0.2;
 
   /// Whether the node has the reference that is named, if one is.

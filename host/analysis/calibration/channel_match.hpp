@@ -61,7 +61,7 @@ struct ChannelMatches {
 ///
 /// @param reference  places of channels whose median is the reference; those that are not matched do not
 /// count
-/// @return by channel; the figures of those not matched say what was seen
+/// @return by channel; the figures of those not matched show what was seen
 ChannelMatches match_channels(const BandSpectra& spectra, const std::vector<int>& reference);
 
 /// @param values  in any order, at least one

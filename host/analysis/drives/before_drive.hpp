@@ -18,7 +18,7 @@ namespace roadbalance {
 BalancedDrive evaluate_drive(const std::filesystem::path& folder, const std::stop_token& stop = {});
 
 /// The newest of the recordings beside this one between which and it weights were fitted, as their
-/// vehicle.toml say (weights_were_fitted_between); nothing: there is none.
+/// vehicle.toml have it (weights_were_fitted_between); nothing: there is none.
 ///
 /// So neither a page nor an analyser that was started again has anything to remember.
 std::optional<std::filesystem::path> drive_before_weights(const std::filesystem::path& record,

@@ -11,7 +11,7 @@ namespace roadbalance {
 namespace {
 
 /// A mass that is right seems wrong by so much at the end of one drive in a hundred.  An estimate every
-/// second is no drive of its own: watched all through, more say so at some time.
+/// second is no drive of its own: watched all through, more drives show it at some time.
 constexpr double kSigmas = 2.5;
 
 /// "5 ± 1 % larger"

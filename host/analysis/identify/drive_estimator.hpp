@@ -40,7 +40,7 @@ class DriveEstimator {
   /// Why there is no estimate, naming the thing at fault; empty: only time is missing.
   std::string refusal() const;
 
-  /// The newest estimate; its states say what is not known yet and why.  Computed when asked for.
+  /// The newest estimate; its states give what is not known yet and why.  Computed when asked for.
   const DriveEstimate& estimate();
   /// Forces at each class of speed by the newest estimate; empty where it gives no balance, or none but from
   /// the body alone.

@@ -5,7 +5,7 @@
 
 namespace roadbalance {
 
-/// Adds to the uncertainty of an unbalance, ellipse and sigmas alike, what its own estimate cannot know.
+/// Adds to the uncertainty of an unbalance, ellipse and sigmas alike, what its own estimate cannot show.
 /// @param along   variance of its length, as a share of it squared
 /// @param across  variance of its angle, rad^2
 void add_variance(Balance& balance, double along, double across);

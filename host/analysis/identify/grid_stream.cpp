@@ -149,7 +149,7 @@ void GridStream::place(const ScanBlock& block, const ClockMap* map, Grid& grid) 
   placed_ = last_of(block);
 }
 
-/// From the node's stamps, which know the converter's true rate and do not move when a fit does.
+/// From the node's stamps, which show the converter's true rate and do not move when a fit does.
 void GridStream::measure_spacing(const ScanBlock& block, const ClockMap* map, bool follows,
                                  const Grid& grid) {
   const double nominal = static_cast<double>(block.period_ps) / static_cast<double>(grid.period_ps);

@@ -48,7 +48,7 @@ class GridStream {
     std::int64_t epoch;
     ClockMap map;
     std::int64_t breaks = 0;
-    int distrusted = 0;  ///< so many fits may still be from before a jump, if they do not say that it broke
+    int distrusted = 0;  ///< so many fits may still be from before a jump, unless they report a break
   };
   void take_aligned(const ScanBlock& block, Grid& grid);
   Clock* clock_of(std::int64_t epoch);

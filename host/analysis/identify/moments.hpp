@@ -80,7 +80,7 @@ struct DriveMoments {
   std::array<double, kChassisInstruments> chassis_power{};  ///< sum of W''^2
 
   struct Wheel {
-    /// The wheel's own past acceleration as instrument: the road of the future does not know it.
+    /// The wheel's own past acceleration as instrument: the road of the future does not depend on it.
     InstrumentMoments<double> tyre{};
     std::complex<double> tyre_unbalance =
         0.0;  ///< sum of W''(t) Om^2 r(t + lag): its share of U is Re{U ...}

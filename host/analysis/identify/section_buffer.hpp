@@ -23,9 +23,9 @@ inline Eigen::Index samples_in(double seconds, double rate_hz) {
 /// The section of a drive that is being filled, with the filtered accelerations that are its instruments.
 ///
 /// Every section is closed by a C2 taper on its instruments, so that (2) holds for the finite section without
-/// end terms.  Instruments say instruments.hpp.  Their lags are positive (instrument past, acceleration
-/// future): the road to come and sensor noise then drop out.  A tyre's at lags of 10 and 30 ms is gathered to
-/// check the model by.
+/// end terms.  Instruments are those of instruments.hpp.  Their lags are positive (instrument past,
+/// acceleration future): the road to come and sensor noise then drop out.  A tyre's at lags of 10 and 30 ms
+/// is gathered to check the model by.
 /// A section that follows another begins in its last second, where one taper falls as the other rises: their
 /// sum is 1, and nothing of a drive counts less.
 class SectionBuffer {

@@ -13,7 +13,7 @@ struct Rotor {
   std::vector<int> wheel;  ///< places in VehicleConfig::wheel; the mean of their angles turns it
   double ratio = 1.0;
   /// Its angle is known modulo this share of its turn: 1 of a wheel with a zero mark, 1/q of what such wheels
-  /// turn at p/q, 0 where nobody knows more than how far it has turned.
+  /// turn at p/q, 0 where no more is known than how far it has turned.
   double known_share = 1.0;
 
   double class_hz(const VehicleConfig& vehicle) const;  ///< width of a speed class, turns a second

@@ -20,7 +20,7 @@ class RotorAngle {
  public:
   enum class State {
     kKnown,
-    kNotKnown,   ///< a node did not know its wheel's angle
+    kNotKnown,   ///< a node did not have its wheel's angle
     kUncertain,  ///< known, but a turn did not have exactly its teeth
   };
   struct Reading {
@@ -32,7 +32,7 @@ class RotorAngle {
   RotorAngle(const VehicleConfig& vehicle, const Rotor& rotor, const std::vector<const NodeConfig*>& nodes);
 
   Reading read(const GridJoin::Row& row);
-  /// As far as the nodes say it; read() looks at the references, too.
+  /// As far as the nodes report it; read() looks at the references, too.
   State state(const GridJoin::Row& row) const;
   /// Turns are counted from the next reading on.
   void forget();

@@ -49,7 +49,7 @@ class RotorOrders {
   /// Seconds of the drive; those that are not used, by their reason.
   struct Seconds {
     double recorded = 0.0;
-    double no_angle = 0.0;   ///< a node did not know its wheel's angle
+    double no_angle = 0.0;   ///< a node did not have its wheel's angle
     double uncertain = 0.0;  ///< known, but a turn did not have exactly its teeth
     double slow = 0.0;
   };

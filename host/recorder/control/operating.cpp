@@ -140,7 +140,8 @@ SessionController::Callbacks Operating::callbacks() {
           [this](const Request& request) { return vehicle_.read_mark(request, time_.utc_us, time_.now); }};
 }
 
-// Every node of the vehicle file, as far as this recorder is to record it; without one those it was told.
+// Every node of the vehicle file, as far as this recorder is to record it; without one those of its command
+// line.
 std::vector<ExpectedNode> Operating::expected() const {
   const auto& ours = options_.recorder.nodes;
   std::vector<ExpectedNode> all;
@@ -341,7 +342,7 @@ void Operating::warn(const std::string& sentence) const {
   if (options_.recorder.on_warning) options_.recorder.on_warning(sentence);
 }
 
-// From its first status to its end the session sends the state itself, with what it knows.
+// From its first status to its end the session sends the state itself, with what it has.
 void Operating::send_status(const Publish& publish) {
   if (time_.now - status_at_ < kStatus || session_speaks()) return;
   status_at_ = time_.now;

@@ -35,8 +35,8 @@ class RelationEstimator final : public Estimator {
 /// mass and angle are half as large (RelationOptions::scaled).
 std::vector<EstimatorKind> paper_kinds();
 
-/// Without any unknown of the road: a wheel's past does not know the road to come, and white noise of the
-/// sensors drops out as well.
+/// Without any unknown of the road: a wheel's past does not depend on the road to come, and white noise of
+/// the sensors drops out as well.
 ///
 /// E[w''(t) u(t + tau)] = 0 for tau > 0 if u' is white and w'' a causal filter with two zeros at rest.  The
 /// contact patch leaves exp(-w2 tau), w2 = 2 pi 4 V: lag 0 is not clean, 10 ms is.  Negative lags are wrong:

@@ -17,8 +17,8 @@ enum class RelationInstruments {
 /// Stand-in for H C_yu.
 enum class RelationRoad {
   kUnknown,                  ///< unknown for every instrument and lag; lambda_k leads from speed to speed
-  kUnknownForAccelerations,  ///< 0 for the angles: they know nothing of the road
-  kNone,                     ///< 0: instruments of the past do not know the road to come
+  kUnknownForAccelerations,  ///< 0 for the angles: they do not depend on the road
+  kNone,                     ///< 0: instruments of the past do not depend on the road to come
   kMeasured,
 };
 

@@ -1,5 +1,5 @@
-// Colours of a map from dark to light in even steps, which colour-blind people tell apart, too: viridis, by nine of its
-// points (S. van der Walt, N. Smith, matplotlib, CC0).
+// Colours of a map from dark to light in even steps, which colour-blind people distinguish, too: viridis, by nine of
+// its points (S. van der Walt, N. Smith, matplotlib, CC0).
 const kPoints: readonly (readonly [number, number, number])[] = [
   [68, 1, 84], [72, 40, 120], [62, 74, 137], [49, 104, 142], [38, 130, 142], [31, 158, 137], [53, 183, 121], [109, 205, 89],
   [253, 231, 37]];
