@@ -21,7 +21,7 @@
 
 namespace roadbalance::test {
 
-/// A worker node: the product's sealer, ring, spool and link, with a device, a clock and a power switch of
+/// A worker node: the product's packer, ring, spool and link, with a device, a clock and a power switch of
 /// the world's.  What it takes and seals goes into the truth.
 class NodeMachine {
  public:

@@ -11,7 +11,7 @@
 
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/angle/angle_reprocessor.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
@@ -32,8 +32,8 @@ TEST(RefinedDrive, IsIdentifiedAsWellAsLiveOrBetter) {
   for (std::size_t n = 0; n < blocks.size(); ++n) {
     const auto device =
         sim::open_sim_front_end({path + "?seed=1&seconds=160&rate=max", vehicle, vehicle.node[n]});
-    seal_all(*device, vehicle, vehicle.node[n], vehicle.node[n].id,
-             [&](const SealedBlock& block) { blocks[n].push_back(block); });
+    pack_epoch(*device, vehicle, vehicle.node[n], vehicle.node[n].id,
+               [&](const SealedBlock& block) { blocks[n].push_back(block); });
   }
   AngleReprocessor angles(vehicle, AngleReprocessor::WithoutMark::kNoAngle, AngleReprocessor::Teeth::kAgain);
   std::size_t most = 0;

@@ -13,7 +13,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analyser/live_orders.hpp"
 #include "host/analysis/drives/identify_record.hpp"
 #include "host/analysis/orders/angle_variance.hpp"
@@ -85,8 +85,8 @@ class CountedDrive : public testing::Test {
     for (const NodeConfig& node : vehicle.node) {
       const auto front_end = sim::open_sim_front_end(
           {folder_ / "scenario.toml?seed=5&rate=max&seconds=" + std::to_string(seconds), vehicle, node});
-      seal_all(*front_end, described, node, node.id,
-               [&](const SealedBlock& block) { writer.append(block, 1000); });
+      pack_epoch(*front_end, described, node, node.id,
+                 [&](const SealedBlock& block) { writer.append(block, 1000); });
     }
     writer.close();
     return record;

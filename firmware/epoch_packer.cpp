@@ -1,4 +1,4 @@
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 
 #include <exception>
 #include <limits>
@@ -10,12 +10,12 @@
 
 namespace roadbalance {
 
-struct EpochSealer::State {
-  /// Callbacks over each block as it is committed; an exception of the taker waits until the packer has
+struct EpochPacker::State {
+  /// Hands over each block as it is committed; an exception of the taker waits until the packer has
   /// returned.
   class TakingSink final : public BlockSink {
    public:
-    explicit TakingSink(EpochSealer::Take take) : take_(std::move(take)) {}
+    explicit TakingSink(EpochPacker::Take take) : take_(std::move(take)) {}
 
     std::size_t room() const noexcept override { return std::numeric_limits<std::size_t>::max(); }
     SealedBlock* claim() noexcept override { return &block_; }
@@ -32,7 +32,7 @@ struct EpochSealer::State {
     }
 
    private:
-    const EpochSealer::Take take_;
+    const EpochPacker::Take take_;
     SealedBlock block_;
     std::exception_ptr failure_;
   };
@@ -43,35 +43,35 @@ struct EpochSealer::State {
   BlockPacker packer;
 };
 
-EpochSealer::EpochSealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, Take take,
+EpochPacker::EpochPacker(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, Take take,
                          GapCause jump)
     : state_(std::make_unique<State>(vehicle, node, epoch, std::move(take), jump)) {
   state_->packer.start();
   state_->sink.rethrow();
 }
 
-EpochSealer::~EpochSealer() = default;
+EpochPacker::~EpochPacker() = default;
 
-void EpochSealer::add(std::span<const Scan> scans, std::span<const Edge> edges,
+void EpochPacker::add(std::span<const Scan> scans, std::span<const Edge> edges,
                       std::span<const SignalSample> signals, bool more_edges) {
   state_->packer.add(signals);
   state_->packer.add(scans, edges, more_edges);
   state_->sink.rethrow();
 }
 
-std::array<int, 2> EpochSealer::mark_counts(int line) const {
+std::array<int, 2> EpochPacker::mark_counts(int line) const {
   return state_->packer.encoder_faults(line).mark_counts;
 }
 
-void EpochSealer::end() {
+void EpochPacker::end() {
   state_->packer.device_ended();
   static_cast<void>(state_->packer.finish());  // this sink always takes it
   state_->sink.rethrow();
 }
 
-void seal_all(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch,
-              const EpochSealer::Take& take, GapCause jump) {
-  EpochSealer packer(vehicle, node, epoch, take, jump);
+void pack_epoch(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch,
+                const EpochPacker::Take& take, GapCause jump) {
+  EpochPacker packer(vehicle, node, epoch, take, jump);
   std::vector<Scan> scans(64);
   std::vector<Edge> edges(4096);
   std::vector<SignalSample> signals(1024);

@@ -12,16 +12,16 @@
 
 namespace roadbalance {
 
-/// Callbacks over every block of an epoch, as a node would seal them, without threads and without a bus.
-class EpochSealer {
+/// Hands over every block of an epoch, as a node would seal them, without threads and without a bus.
+class EpochPacker {
  public:
   using Take = std::function<void(const SealedBlock&)>;
 
   /// @param jump  cause of a jump in the scan index
   /// @throws what `take` throws, as do the others
-  EpochSealer(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, Take take,
+  EpochPacker(const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch, Take take,
               GapCause jump = GapCause::kDeviceOverrun);
-  ~EpochSealer();
+  ~EpochPacker();
 
   /// As BlockPacker::add: the result of one read of a front end.
   void add(std::span<const Scan> scans, std::span<const Edge> edges,
@@ -40,7 +40,7 @@ class EpochSealer {
 /// Reads a front end to its end and hands over every block of the epoch.
 ///
 /// @throws std::runtime_error if the front end fails; what `take` throws
-void seal_all(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch,
-              const EpochSealer::Take& take, GapCause jump = GapCause::kDeviceOverrun);
+void pack_epoch(FrontEnd& front_end, const VehicleConfig& vehicle, const NodeConfig& node, std::int64_t epoch,
+                const EpochPacker::Take& take, GapCause jump = GapCause::kDeviceOverrun);
 
 }  // namespace roadbalance
