@@ -41,15 +41,15 @@ TEST(RefinedDrive, IsIdentifiedAsWellAsLiveOrBetter) {
     for (const SealedBlock& block : of_node) angles.learn(block);
     most = std::max(most, of_node.size());
   }
-  DriveEstimator live(vehicle), reprocess(vehicle);
+  DriveEstimator live(vehicle), reprocessed(vehicle);
   for (std::size_t i = 0; i < most; ++i)
     for (const auto& of_node : blocks) {
       if (i >= of_node.size()) continue;
       live.consume(of_node[i]);
-      reprocess.consume(angles.reprocess(of_node[i]));
+      reprocessed.consume(angles.reprocess(of_node[i]));
     }
   const sim::Truth truth = sim::truth_of(path, 1, vehicle);
-  const auto before = live.estimate(), after = reprocess.estimate();
+  const auto before = live.estimate(), after = reprocessed.estimate();
   for (std::size_t w = 0; w < kWheels; ++w) {
     const auto error_deg = [&](const Balance& balance) {
       return std::abs(std::remainder(balance.angle_rad * kDegrees - truth.wheel[w].angle_deg, 360.0));
