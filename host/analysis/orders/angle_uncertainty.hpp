@@ -7,7 +7,7 @@
 namespace roadbalance {
 
 /// Uncertainty of a rotor's angle in a recording beyond its references.
-struct AngleVariance {
+struct AngleUncertainty {
   bool located = true;            ///< by zero marks of all its wheels
   double common_sigma_rad = 0.0;  ///< that is the same all through the drive; the datum apart
   double sigma_rad = 0.0;         ///< of an instant, this included
@@ -16,6 +16,6 @@ struct AngleVariance {
   std::string contradiction{};    ///< what speaks against its wheels' zero marks, for people; empty: nothing
 };
 
-AngleVariance doubt_of(const RecordOrders& found, const Rotor& rotor);
+AngleUncertainty angle_uncertainty(const RecordOrders& found, const Rotor& rotor);
 
 }  // namespace roadbalance
