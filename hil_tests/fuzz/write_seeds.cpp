@@ -97,7 +97,7 @@ void write_posts() {
 }
 
 void write_session_states() {
-  const SessionState book{
+  const SessionState state{
       .active = ActiveRecording{.name = "drive",
                                 .began_us = 1'700'000'000'000'000,
                                 .start = {1, 2},
@@ -114,8 +114,8 @@ void write_session_states() {
       .past = {{"before", 1'700'000'000'000, 1'700'000'000'009}},
       .set_up =
           AskedSetUp{.asked = {11, 12}, .node = 1, .value = {150.25, 4}, .nodes = {1, 2}, .text = "waits"}};
-  write("desk_book", "all", text_of(book));
-  write("desk_book", "empty", text_of({}));
+  write("session_state", "all", text_of(state));
+  write("session_state", "empty", text_of({}));
 }
 
 void write_messages() {

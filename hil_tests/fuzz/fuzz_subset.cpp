@@ -31,7 +31,7 @@ using Bytes = std::vector<char>;
 
 constexpr std::size_t kRows = 1200;
 
-fuzz::Reached subsets("an excerpt");
+fuzz::Reached subsets("a subset");
 
 const VehicleConfig& vehicle() {
   static const VehicleConfig config =
@@ -177,7 +177,7 @@ std::int64_t row_of(const std::array<std::int32_t, kChannels>& counts, const Nod
   return *row;
 }
 
-/// Check of an excerpt that leaves every kept sample as it was.
+/// Check of a subset that leaves every kept sample as it was.
 void check_rows(const SubsetRequest& asked) {
   std::map<std::pair<std::int32_t, std::int64_t>, std::int64_t> offset;  // of rows to scans, by epoch
   RecordReader reader(asked.output);
@@ -202,7 +202,7 @@ void check(std::span<const std::uint8_t> bytes) {
   fuzz::ByteReader in(bytes);
   SubsetRequest asked = request(in);
   const Bytes original = damaged(in);
-  static const TemporaryFolder work("rb-fuzz-excerpt");
+  static const TemporaryFolder work("rb-fuzz-subset");
   asked.folder = work.path() / "drive";
   asked.output = work.path() / "part";
   fs::remove_all(asked.output);

@@ -16,14 +16,14 @@ using test::SimulatedDisk;
 constexpr const char* kFolder = "/recordings";
 
 fuzz::Reached recordings("a recording under way"), ended("a recording that ended"), set_ups("a set-up"),
-    pending("a rest"), overs("a recording that is over");
+    pending("a pending epoch"), past("a past recording");
 
-void count(const SessionState& book) {
-  if (book.active) recordings.count();
-  if (book.finished && !book.finished->receipt.empty()) ended.count();
-  if (book.set_up) set_ups.count();
-  if (!book.pending.empty()) pending.count();
-  if (!book.past.empty()) overs.count();
+void count(const SessionState& state) {
+  if (state.active) recordings.count();
+  if (state.finished && !state.finished->receipt.empty()) ended.count();
+  if (state.set_up) set_ups.count();
+  if (!state.pending.empty()) pending.count();
+  if (!state.past.empty()) past.count();
 }
 
 void check(const std::vector<std::uint8_t>& bytes) {
@@ -31,9 +31,9 @@ void check(const std::vector<std::uint8_t>& bytes) {
   SimulatedDisk disk;
   disk.mkdir(kFolder, 0755);
   disk.put(file, bytes);
-  SessionState book;
+  SessionState state;
   try {
-    book = read_session_state(kFolder, disk);
+    state = read_session_state(kFolder, disk);
   } catch (const std::runtime_error& error) {
     const std::string_view said = error.what();
     require(said.starts_with(file + ": "), "a refusal names the file");
@@ -41,16 +41,16 @@ void check(const std::vector<std::uint8_t>& bytes) {
     require(disk.content(file) == bytes, "what is refused stays as it is");
     return;
   }
-  count(book);
-  if (book.active) require(fault_of_name(book.active->name).empty(), "a recording is a name");
-  if (book.active) static_cast<void>(first_incarnation(*book.active, book.past));
-  for (const PendingEpoch& one : book.pending)
-    require(fault_of_name(one.recording).empty(), "so is that of a rest");
-  for (const PastRecording& one : book.past)
-    require(fault_of_name(one.recording).empty(), "and one that is over");
-  write_session_state(kFolder, book, disk);
+  count(state);
+  if (state.active) require(fault_of_name(state.active->name).empty(), "a recording is a name");
+  if (state.active) static_cast<void>(first_incarnation(*state.active, state.past));
+  for (const PendingEpoch& one : state.pending)
+    require(fault_of_name(one.recording).empty(), "so is that of a pending epoch");
+  for (const PastRecording& one : state.past)
+    require(fault_of_name(one.recording).empty(), "and that of a past one");
+  write_session_state(kFolder, state, disk);
   const SessionState again = read_session_state(kFolder, disk);
-  require(text_of(again) == text_of(book), "what was read is written so that it is read again alike");
+  require(text_of(again) == text_of(state), "what was read is written so that it is read again alike");
 }
 
 }  // namespace
