@@ -12,9 +12,9 @@ namespace {
 using test::Program;
 
 /// A recorder that starts and stops on request on host 0, a staying node on each of two others.
-class CutOff : protected test::ThreeHosts, public Operating {
+class CutOffNode : protected test::ThreeHosts, public Operating {
  protected:
-  CutOff() : Operating(test::kNetworkUrl) {}
+  CutOffNode() : Operating(test::kNetworkUrl) {}
   void SetUp() override {
     if (!hosts) GTEST_SKIP() << *test::Hosts::refusal();
   }
@@ -54,7 +54,7 @@ class CutOff : protected test::ThreeHosts, public Operating {
   }
 };
 
-TEST_F(CutOff, TheRestOfARecordingIsFetchedIntoItWhenTheNodeIsBack) {
+TEST_F(CutOffNode, TheRemainderOfARecordingIsFetchedIntoItWhenTheNodeIsBack) {
   Program recorder = operated_recorder(), front = staying_on(1, "front"), rear = staying_on(2, "rear");
   start("first");
   const std::int64_t epoch = bus.heartbeat(kFront).epoch;
@@ -73,7 +73,7 @@ TEST_F(CutOff, TheRestOfARecordingIsFetchedIntoItWhenTheNodeIsBack) {
   expect_whole("second");
 }
 
-TEST_F(CutOff, TheNextRecordingTakesNothingOfItAndTheNodeJoinsWhenItIsBack) {
+TEST_F(CutOffNode, TheNextRecordingTakesNothingOfItAndTheNodeJoinsWhenItIsBack) {
   Program recorder = operated_recorder(), front = staying_on(1, "front"), rear = staying_on(2, "rear");
   start("first");
   const std::int64_t epoch = bus.heartbeat(kFront).epoch;
@@ -93,7 +93,7 @@ TEST_F(CutOff, TheNextRecordingTakesNothingOfItAndTheNodeJoinsWhenItIsBack) {
   EXPECT_EQ(test::check_record(recordings / "second"), 3) << "the independent checker";
 }
 
-TEST_F(CutOff, ARecorderKilledWhileItFetchesFetchesAllTheSame) {
+TEST_F(CutOffNode, ARecorderKilledWhileItFetchesFetchesAllTheSame) {
   const int turns = test::full_run() ? 10 : 2;
   Program recorder = operated_recorder(), front = staying_on(1, "front"), rear = staying_on(2, "rear");
   for (int turn = 0; turn < turns; ++turn) {
@@ -116,7 +116,7 @@ TEST_F(CutOff, ARecorderKilledWhileItFetchesFetchesAllTheSame) {
   }
 }
 
-TEST_F(CutOff, ANodeStartedAnewHasLostItsRestAndTheRecordingSaysSo) {
+TEST_F(CutOffNode, ANodeStartedAnewHasLostItsRemainderAndTheRecordDeclaresIt) {
   Program recorder = operated_recorder(), rear = staying_on(2, "rear");
   {
     Program front = staying_on(1, "front");
@@ -127,14 +127,14 @@ TEST_F(CutOff, ANodeStartedAnewHasLostItsRestAndTheRecordingSaysSo) {
   }
   hosts->plug(1);
   Program front = staying_on(1, "front");
-  const auto says_so = [&] {
+  const auto declares_it = [&] {
     bus.listen(0.2);
     const Verification proof = verify_record(recordings / "first");
     return std::ranges::any_of(proof.epoch, [](const VerifiedEpoch& epoch) {
       return !epoch.gaps.empty() && epoch.gaps.back().cause == GapCause::kNodeCrash;
     });
   };
-  EXPECT_TRUE(test::wait_until(says_so, 60));
+  EXPECT_TRUE(test::wait_until(declares_it, 60));
   EXPECT_EQ(verify_record(recordings / "first").verdict, Verdict::kIncomplete);
   start("second");
   ASSERT_TRUE(more_are_durable(kFront, 50));

@@ -28,7 +28,7 @@ std::complex<double> unbalance(const UnknownVector& x, int wheel) {
   return {x(kEstimatedUnbalance + 2 * wheel), x(kEstimatedUnbalance + 2 * wheel + 1)};
 }
 
-TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
+TEST(EstimatedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
   const IdealDrive drive = plateaus({110, 117, 123, 130});
   const Priors known = Priors::of(car());
   int within = 0, misfits = 0;
@@ -36,25 +36,25 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
   constexpr int kSeeds = 12;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const SpeedClasses classes = gather(drive, static_cast<std::uint64_t>(seed), car());
-    const auto judgement = estimate_covariance(classes, known);
-    ASSERT_TRUE(judgement);
+    const auto estimated = estimate_covariance(classes, known);
+    ASSERT_TRUE(estimated);
     const UnknownVector x = solved(classes, known);
     for (int w = 0; w < kWheels; ++w) {
       const auto truth = drive.scenario.wheel[static_cast<std::size_t>(w)].unbalance_kg_m;
       const Eigen::Vector2d off =
           x.segment<2>(kEstimatedUnbalance + 2 * w) - Eigen::Vector2d(truth.real(), truth.imag());
       const Eigen::Matrix2d covariance =
-          judgement->drive.block<2, 2>(kEstimatedUnbalance + 2 * w, kEstimatedUnbalance + 2 * w);
+          estimated->drive.block<2, 2>(kEstimatedUnbalance + 2 * w, kEstimatedUnbalance + 2 * w);
       const double square = off.dot(covariance.inverse() * off);
       within += square <= 5.991;
       squares += square;
-      EXPECT_FALSE(judgement->first_order[static_cast<std::size_t>(w)].separable);
+      EXPECT_FALSE(estimated->first_order[static_cast<std::size_t>(w)].separable);
     }
-    for (const GoodnessOfFit& fit : judgement->fit) misfits += fit.chance < 0.01;
-    EXPECT_TRUE(judgement->model.isZero()) << "the demonstration car's masses and tyre dampers are exact";
-    EXPECT_GT(judgement->suspension.condition, 1.0);
-    EXPECT_LT(judgement->suspension.condition, 50.0);
-    EXPECT_EQ(refusal(x, judgement, known), "");
+    for (const GoodnessOfFit& fit : estimated->fit) misfits += fit.chance < 0.01;
+    EXPECT_TRUE(estimated->model.isZero()) << "the demonstration car's masses and tyre dampers are exact";
+    EXPECT_GT(estimated->suspension.condition, 1.0);
+    EXPECT_LT(estimated->suspension.condition, 50.0);
+    EXPECT_EQ(refusal(x, estimated, known), "");
   }
   // 48 ellipses of 95 %: fewer than 40 in one case of a thousand.
   EXPECT_GE(within, 40);
@@ -64,7 +64,7 @@ TEST(JudgedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
   EXPECT_LE(misfits, 4) << "of 60, 1 in 100 each";
 }
 
-TEST(JudgedDrive, TellsWheelsThatAreLighterThanVehicleTomlSays) {
+TEST(EstimatedDrive, TellsWheelsThatAreLighterThanVehicleTomlSays) {
   const SpeedClasses classes = gather(plateaus({90, 103, 117, 130, 90, 103, 117, 130}), 3, car());
   Priors known = Priors::of(car());
   const auto right = estimate_covariance(classes, known);
@@ -89,7 +89,7 @@ TEST(JudgedDrive, TellsWheelsThatAreLighterThanVehicleTomlSays) {
       1e-6);
 }
 
-TEST(JudgedDrive, TellsAWrongInertiaByTheBodyAlone) {
+TEST(EstimatedDrive, TellsAWrongInertiaByTheBodyAlone) {
   const SpeedClasses classes = gather(plateaus({90, 103, 117, 130}), 4, car());
   Priors known = Priors::of(car());
   known.value(kRollInertia) *= 1.05;
@@ -99,28 +99,28 @@ TEST(JudgedDrive, TellsAWrongInertiaByTheBodyAlone) {
   EXPECT_NEAR(wrong->fit[0].share, -0.05, 0.01);
 }
 
-TEST(JudgedDrive, HoldsTheDoubtOfTheMasses) {
+TEST(EstimatedDrive, HoldsTheUncertaintyOfTheMasses) {
   const SpeedClasses classes = gather(plateaus({110, 120, 130}), 5, car());
   Priors known = Priors::of(car());
   known.sigma(kWheelMass) = 0.02 * known.value(kWheelMass);
-  const auto judgement = estimate_covariance(classes, known);
-  ASSERT_TRUE(judgement);
+  const auto estimated = estimate_covariance(classes, known);
+  ASSERT_TRUE(estimated);
   // By the change itself: the unbalance of that wheel with 2 % more mass.
   Priors heavier = known;
   heavier.value(kWheelMass) *= 1.02;
   const std::complex<double> moved =
       unbalance(solved(classes, heavier), 0) - unbalance(solved(classes, known), 0);
-  const auto block = judgement->model.block<2, 2>(kEstimatedUnbalance, kEstimatedUnbalance);
+  const auto block = estimated->model.block<2, 2>(kEstimatedUnbalance, kEstimatedUnbalance);
   EXPECT_NEAR(block.trace() / std::norm(moved), 1.0, 0.02);  // 1 % against 2 % of a nearly linear change
 }
 
 /// Tyres with a damping that is not in vehicle.toml: the error is as large as the ±, at one sigma.
-TEST(JudgedDrive, HoldsTheDoubtOfTheTyresDamping) {
+TEST(EstimatedDrive, HoldsTheUncertaintyOfTheTyresDamping) {
   const SpeedClasses classes = gather(plateaus({110, 120, 130}), 5, car());
   Priors known = Priors::of(car());
   known.sigma.segment<kWheels>(kTyreDamper).setConstant(50.0);
-  const auto judgement = estimate_covariance(classes, known);
-  ASSERT_TRUE(judgement);
+  const auto estimated = estimate_covariance(classes, known);
+  ASSERT_TRUE(estimated);
   Priors damped = known;
   damped.value.segment<kWheels>(kTyreDamper).setConstant(50.0);
   for (int w = 0; w < kWheels; ++w) {
@@ -128,12 +128,12 @@ TEST(JudgedDrive, HoldsTheDoubtOfTheTyresDamping) {
     const double moved = std::abs(unbalance(solved(classes, damped), w) - U);
     const int at = kEstimatedUnbalance + 2 * w;
     // Two causes, front and rear; of the other axle's an unbalance hears through the road that both share.
-    EXPECT_NEAR(std::sqrt(judgement->model.block<2, 2>(at, at).trace()) / moved, 1.0, 0.2) << w;
+    EXPECT_NEAR(std::sqrt(estimated->model.block<2, 2>(at, at).trace()) / moved, 1.0, 0.2) << w;
     EXPECT_GT(moved, 0.01 * std::abs(U)) << w;
   }
 }
 
-TEST(JudgedDrive, IsNoSurerForGroupsThatTellNothing) {
+TEST(EstimatedDrive, IsNoSurerForGroupsThatTellNothing) {
   SpeedClasses classes = gather(plateaus({110, 110}), 8, car());
   const auto few = estimate_covariance(classes, Priors::of(car()));
   DriveMoments nothing;
@@ -151,14 +151,14 @@ TEST(JudgedDrive, IsNoSurerForGroupsThatTellNothing) {
   }
 }
 
-TEST(JudgedDrive, SeparatesAForceWhereTheSpeedsDo) {
+TEST(EstimatedDrive, SeparatesAForceWhereTheSpeedsDo) {
   IdealDrive drive = plateaus({60, 80, 100, 120, 140});
   drive.scenario.wheel[0].radial_force_n = std::polar(30.0, 1.0);
   const Priors known = Priors::of(car());
   const SpeedClasses classes = gather(drive, 6, car());
-  const auto judgement = estimate_covariance(classes, known);
-  ASSERT_TRUE(judgement);
-  const FirstOrderFit& fit = judgement->first_order[0];
+  const auto estimated = estimate_covariance(classes, known);
+  ASSERT_TRUE(estimated);
+  const FirstOrderFit& fit = estimated->first_order[0];
   ASSERT_TRUE(fit.separable);
   EXPECT_LT(std::abs(fit.force_n - drive.scenario.wheel[0].radial_force_n), 3.5 * fit.sigma_force_n);
   EXPECT_LT(fit.sigma_force_n, 5.0);
@@ -168,15 +168,15 @@ TEST(JudgedDrive, SeparatesAForceWhereTheSpeedsDo) {
 
 // A road so smooth, and sensors so noisy, that the body's equations are made of noise: 60 s determine no
 // springs.
-TEST(JudgedDrive, RefusesADriveWhoseEquationsAreMostlyNoise) {
+TEST(EstimatedDrive, RefusesADriveWhoseEquationsAreMostlyNoise) {
   IdealDrive drive = plateaus({90, 103, 117, 130});
   drive.samples = 15 * 500;
   drive.scenario.road.roughness_m3 /= 50.0;
   const Priors known = Priors::of(car());
   const auto refused = [&](double noise_m_s2) {
     const SpeedClasses classes = gather(drive, 1, car(), noise_m_s2);
-    const auto judgement = estimate_covariance(classes, known);
-    return judgement ? refusal(solve(classes.total(), known.geometry, known.value), judgement, known)
+    const auto estimated = estimate_covariance(classes, known);
+    return estimated ? refusal(solve(classes.total(), known.geometry, known.value), estimated, known)
                      : "none";
   };
   EXPECT_EQ(refused(0.02), "");
@@ -185,28 +185,29 @@ TEST(JudgedDrive, RefusesADriveWhoseEquationsAreMostlyNoise) {
 }
 
 /// In how many of so many drives of 160 s the body's equations reject one set of springs and dampers.
-int misfits_of(const sim::DamperScenario& damper, int drives) {
+int rejected_of(const sim::DamperScenario& damper, int drives) {
   IdealDrive drive = plateaus({90, 103, 117, 130});
   drive.scenario.damper = damper;
   int found = 0;
   for (int seed = 1; seed <= drives; ++seed) {
-    const auto judgement =
+    const auto estimated =
         estimate_covariance(gather(drive, static_cast<std::uint64_t>(seed), car(), 0.02), Priors::of(car()));
-    found += judgement && judgement->fit[0].chance < 0.01;
+    found += estimated && estimated->fit[0].chance < 0.01;
   }
   return found;
 }
 
-TEST(JudgedDrive, WarnsOfDampersThatDifferByDirectionAndNotOfLinearOnes) {
+TEST(EstimatedDrive, WarnsOfDampersThatDifferByDirectionAndNotOfLinearOnes) {
   constexpr int kDrives = 6;
-  EXPECT_EQ(misfits_of({}, kDrives), 0);
-  EXPECT_EQ(misfits_of({.compression = 1.3, .rebound = 1.3}, kDrives), 0) << "linear, and not vehicle.toml's";
-  EXPECT_GE(misfits_of({.compression = 0.3, .rebound = 1.7}, kDrives), 4);
+  EXPECT_EQ(rejected_of({}, kDrives), 0);
+  EXPECT_EQ(rejected_of({.compression = 1.3, .rebound = 1.3}, kDrives), 0)
+      << "linear, and not vehicle.toml's";
+  EXPECT_GE(rejected_of({.compression = 0.3, .rebound = 1.7}, kDrives), 4);
 }
 
 /// Dampers 20 %, springs 10 % and stabilisers 20 % off: they are found in the run, and the values of
 /// vehicle.toml are where weights begin only.
-TEST(JudgedDrive, DoesNotDependOnTheSuspensionThatVehicleTomlSays) {
+TEST(EstimatedDrive, DoesNotDependOnTheSuspensionThatVehicleTomlSays) {
   VehicleConfig wrong = car();
   for (AxleConfig& axle : wrong.model.axle) {
     axle.damper_n_s_m *= 1.2;
