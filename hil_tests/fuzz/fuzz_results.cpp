@@ -1,12 +1,12 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recording.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
+#include "common/bus/tap.hpp"
 #include "common/bus/transfer_report.hpp"
 #include "common/bus/verification.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
@@ -83,7 +83,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<Envelope>(bytes, decode_envelope);
   fuzz::check_message<WaterfallRow>(bytes, decode_waterfall);
   fuzz::check_message<Remark>(bytes, decode_remark);
-  fuzz::check_message<Knock>(bytes, decode_knock);
+  fuzz::check_message<Tap>(bytes, decode_tap);
   fuzz::check_message<NodeSetup>(bytes, decode_setup);
   fuzz::check_message<WheelVerification>(bytes, decode_verification);
   fuzz::check_message<RecordingSummary>(bytes, decode_recording);

@@ -15,7 +15,6 @@
 #include "common/bus/control_messages.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
@@ -24,6 +23,7 @@
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
+#include "common/bus/tap.hpp"
 #include "common/bus/transfer_report.hpp"
 #include "common/bus/verification.hpp"
 #include "common/record/record_writer.hpp"
@@ -200,7 +200,7 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("receipt_t", encode(Receipt{.nodes = 1, .node = 4, .overload_s = 0.25, .name = "drive"}));
     append("vehicle_t", encode(VehiclePart{.node = 4, .incarnation = 1, .parts = 1, .text = "name = 1"}));
     append("remark_t", encode(Remark{.remarks = 1, .text = "text"}));
-    append("knock_t", encode(Knock{.node = 4, .channel = 2}));
+    append("knock_t", encode(Tap{.node = 4, .channel = 2}));
     NodeSetup setup;
     setup.node = 4;
     setup.name = "front";

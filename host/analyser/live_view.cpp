@@ -19,7 +19,7 @@
 #include "host/analyser/chosen_vehicle.hpp"
 #include "host/analyser/sample_beat.hpp"
 #include "host/analyser/spectrum_view.hpp"
-#include "host/analyser/tap_test.hpp"
+#include "host/analyser/tap_meter.hpp"
 #include "host/analyser/transfer_view.hpp"
 #include "host/analyser/waterfall_view.hpp"
 #include "host/analysis/spectra/channel_watch.hpp"
@@ -57,7 +57,7 @@ struct NodeView {
   LevelMeter levels;
   SpectrumMeter spectra;
   EnvelopeMeter envelopes;
-  TapMeter knocks;
+  TapMeter taps;
   SampleBeat level_beat{kLevel_s}, spectrum_beat{kSpectrum_s};
   InSequence sequence{InSequence::From::kFirstHeard};
 };
@@ -76,7 +76,7 @@ class LiveView {
       nodes_.emplace(node.id, NodeView{.levels = LevelMeter(vehicle, node),
                                        .spectra = SpectrumMeter(node),
                                        .envelopes = EnvelopeMeter(node),
-                                       .knocks = TapMeter(node)});
+                                       .taps = TapMeter(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
@@ -162,7 +162,7 @@ class LiveView {
     if (node.level_beat.due(scans, now)) publish_level(node);
     if (node.spectrum_beat.due(scans, now))
       for (const SpectrumPart& part : node.spectra.take()) bus_.publish(kSpectrumChannel, encode(part));
-    if (const auto knock = node.knocks.add(scans)) bus_.publish(kKnockChannel, encode(*knock));
+    if (const auto tap = node.taps.add(scans)) bus_.publish(kTapChannel, encode(*tap));
     if (block.header.sequence == 0) return;  // a preview skips
     node.envelopes.add(scans);
     transfers_.consume(block);

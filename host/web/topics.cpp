@@ -9,7 +9,6 @@
 #include "common/bus/control_messages.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
@@ -17,6 +16,7 @@
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
+#include "common/bus/tap.hpp"
 #include "common/bus/transfer_report.hpp"
 #include "common/bus/verification.hpp"
 
@@ -108,7 +108,7 @@ const std::array kPageMessages{
                   return remark ? Key(remark->number) : std::nullopt;
                 },
                 false},
-    PageMessage{kKnockChannel, [](Bytes bytes) { return node_of(decode_knock(bytes)); }, false, nullptr,
+    PageMessage{kTapChannel, [](Bytes bytes) { return node_of(decode_tap(bytes)); }, false, nullptr,
                 kMostNodes},
     PageMessage{"RB_SETUP_.*", [](Bytes bytes) { return node_of(decode_setup(bytes)); }, true},
     PageMessage{kVerificationChannel, [](Bytes bytes) { return wheel_of(decode_verification(bytes)); },

@@ -17,13 +17,13 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control_messages.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/recording.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
+#include "common/bus/tap.hpp"
 #include "common/bus/verification.hpp"
 #include "common/process/stop_on_signal.hpp"
 
@@ -281,13 +281,13 @@ NodeSetup setup(int node) {
 }
 
 /// Upwards on the channel that is mounted upside down, whose wires are right; repeated.
-Knock knock(const Scene& scene, std::int64_t number) {
-  Knock knock{.node = 2, .time_ns = 1, .number = number, .channel = scene.trouble ? 1 : 11};
-  knock.first_m_s2.fill(0.02);
-  knock.peak_m_s2.fill(0.03);
-  knock.first_m_s2[static_cast<std::size_t>(knock.channel)] = -4.0;
-  knock.peak_m_s2[static_cast<std::size_t>(knock.channel)] = 5.0;
-  return knock;
+Tap tap(const Scene& scene, std::int64_t number) {
+  Tap tap{.node = 2, .time_ns = 1, .number = number, .channel = scene.trouble ? 1 : 11};
+  tap.first_m_s2.fill(0.02);
+  tap.peak_m_s2.fill(0.03);
+  tap.first_m_s2[static_cast<std::size_t>(tap.channel)] = -4.0;
+  tap.peak_m_s2[static_cast<std::size_t>(tap.channel)] = 5.0;
+  return tap;
 }
 
 RecordingSummary recording(const Scene& scene, std::int32_t number) {
@@ -319,11 +319,11 @@ RecordingSummary recording(const Scene& scene, std::int32_t number) {
   return summary;
 }
 
-/// Setups, the last knock, recordings, remarks and the effect of weights.
+/// Setups, the last tap, recordings, remarks and the effect of weights.
 void publish_knowledge(Bus& bus, const Scene& scene) {
-  static std::int64_t knocks = 0;
+  static std::int64_t taps = 0;
   for (int node = 1; node <= 2; ++node) bus.publish(setup_channel(node), encode(setup(node)));
-  bus.publish(kKnockChannel, encode(knock(scene, ++knocks)));
+  bus.publish(kTapChannel, encode(tap(scene, ++taps)));
   for (std::int32_t number = 0; number < 3; ++number)
     bus.publish(kRecordingChannel, encode(recording(scene, number)));
   const std::vector<std::string> sentences{

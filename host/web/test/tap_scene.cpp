@@ -20,8 +20,8 @@
 #include "common/types/clocks.hpp"
 #include "host/analyser/live_view.hpp"
 
-// rb-web-knock-scene URL: the demonstration car at rest, in real time, with the analyser's live view.  A line
-// "1.3" on standard input is a knock on that channel's sensor, the positive way along the car's axis: a push
+// rb-web-tap-scene URL: the demonstration car at rest, in real time, with the analyser's live view.  A line
+// "1.3" on standard input is a tap on that channel's sensor, the positive way along the car's axis: a push
 // of 4 ms and a ringing that dies away, a sixth of it at the other sensors of its node, all through the
 // anti-aliasing filter of vehicle.toml.  fr_carrier_z is fitted the wrong way round, against its direction in
 // vehicle.toml.
@@ -35,8 +35,8 @@ constexpr double kRate_hz = 2000.0, kPush_m_s2 = 30.0, kPush_s = 0.004, kNoise_m
 constexpr std::int64_t kPeriod_ns = 500'000;
 constexpr double kFeltByOthers = 1.0 / 6.0;
 
-/// Acceleration at the knocked place, so long after.
-double knock_m_s2(double since_s) {
+/// Acceleration at the tapped place, so long after.
+double tap_m_s2(double since_s) {
   if (since_s < 0.0 || since_s > 0.2) return 0.0;
   if (since_s < kPush_s) return kPush_m_s2 * std::sin(std::numbers::pi * since_s / kPush_s);
   const double ringing_s = since_s - kPush_s;
@@ -44,7 +44,7 @@ double knock_m_s2(double since_s) {
          std::sin(2.0 * std::numbers::pi * 90.0 * ringing_s);
 }
 
-/// Place and time of the newest knock, from the thread that reads to the one that measures.
+/// Place and time of the newest tap, from the thread that reads to the one that measures.
 class Hammer {
  public:
   void hit(std::int32_t node, int channel) {
@@ -59,7 +59,7 @@ class Hammer {
     if (std::exchange(is_new_, false)) begin_ = sample;
     if (node != node_) return 0.0;
     const double share = channel == channel_ ? 1.0 : kFeltByOthers;
-    return share * knock_m_s2(static_cast<double>(sample - begin_) / kRate_hz);
+    return share * tap_m_s2(static_cast<double>(sample - begin_) / kRate_hz);
   }
 
  private:
@@ -119,7 +119,7 @@ class Sensors {
 int main(int argc, char** argv) {
   const StopOnSignal signals;
   if (argc != 2) {
-    std::fprintf(stderr, "usage: rb-web-knock-scene URL\n");
+    std::fprintf(stderr, "usage: rb-web-tap-scene URL\n");
     return 2;
   }
   const VehicleConfig car = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));

@@ -5,7 +5,7 @@
 #include <deque>
 #include <optional>
 
-#include "common/bus/knock.hpp"
+#include "common/bus/tap.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/types/blocks.hpp"
 
@@ -28,7 +28,7 @@ class TapMeter {
   explicit TapMeter(const NodeConfig& node);
 
   /// A tap that has ended in this block.
-  std::optional<Knock> add(const ScanBlock& block);
+  std::optional<Tap> add(const ScanBlock& block);
 
  private:
   using Row = std::array<double, kAccelerations>;  ///< m/s^2
@@ -36,10 +36,10 @@ class TapMeter {
     double mean = 0.0, square = 0.0;
   };
 
-  std::optional<Knock> add(const Row& row, std::int64_t time_ns);
+  std::optional<Tap> add(const Row& row, std::int64_t time_ns);
   void learn(const Row& row);
   bool begins(const Row& row) const;
-  Knock finish() const;
+  Tap finish() const;
   void begin_anew();
 
   NodeConfig node_;

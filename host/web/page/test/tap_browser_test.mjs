@@ -1,4 +1,4 @@
-// The tap test with real knocks: sensors of a car at rest, the analyser's live view, rb-web and the page.
+// The tap test with real taps: sensors of a car at rest, the analyser's live view, rb-web and the page.
 import assert from "node:assert/strict";
 import {spawn} from "node:child_process";
 import {join} from "node:path";
@@ -11,7 +11,7 @@ before(async () => {
   const url = busUrl();
   browser = await launch();
   ({web, where} = await startWeb(url));
-  car = spawn(join(process.env.RB_BIN, "rb-web-knock-scene"), [url], {stdio: ["pipe", "ignore", "inherit"]});
+  car = spawn(join(process.env.RB_BIN, "rb-web-tap-scene"), [url], {stdio: ["pipe", "ignore", "inherit"]});
 });
 after(async () => {
   await browser?.close();
@@ -27,7 +27,7 @@ async function open(t, options = {}) {
   await page.waitForFunction(() => document.querySelectorAll("#tap-channel option").length > 1, null, {timeout: kWithinMs});
   return page;
 }
-const knockOn = (key) => car.stdin.write(`${key}\n`);
+const tapOn = (key) => car.stdin.write(`${key}\n`);
 const choose = async (page, name) => {
   const value = await page.locator("#tap-channel option").evaluateAll((all, wanted) =>
     all.find(({textContent}) => textContent.endsWith(wanted)).value, name);
@@ -35,10 +35,10 @@ const choose = async (page, name) => {
   const [node, channel] = value.split(" ").map(Number);
   return `${node}.${channel + 1}`;
 };
-/** The live view must have heard a second of rest, and a page may see an older knock: knocks until it says so. */
+/** The live view must have heard a second of rest, and a page may see an older tap: taps until it shows it. */
 async function feels(page, key, words) {
   for (let k = 0; k < 10; ++k) {
-    knockOn(key);
+    tapOn(key);
     const found = await page.waitForFunction((wanted) => new RegExp(wanted).test(document.querySelector("#knock").innerText),
                                              words, {timeout: 3000}).catch(() => undefined);
     if (found) return;
@@ -48,7 +48,7 @@ async function feels(page, key, words) {
 const row = (page, name) => page.locator(".setup tbody tr").filter({hasText: name}).first().innerText();
 
 for (const colorScheme of ["dark", "light"])
-  test(`a knock proves the sensor that was chosen and its sign, and finds the one that is fitted wrongly, ${colorScheme}`, async (t) => {
+  test(`a tap proves the sensor that was chosen and its sign, and finds the one that is fitted wrongly, ${colorScheme}`, async (t) => {
     const page = await open(t, {colorScheme});
     const left = await choose(page, "fl_carrier_z");
     await feels(page, left, `Knock on ${left} fl_carrier_z: first swing \\+[0-9.]+ m/s².*Right, if it came from below, upwards`);
@@ -59,10 +59,10 @@ for (const colorScheme of ["dark", "light"])
     assert.match(await page.locator(".checks").innerText(), new RegExp(`${right} fr_carrier_z: the knock came with the wrong sign`));
     assert.deepEqual(await weakTexts(page), []);
     await page.locator("#knock").scrollIntoViewIfNeeded();
-    await picture(page, `knock-${colorScheme}`);
+    await picture(page, `tap-${colorScheme}`);
   });
 
-test("a knock on another sensor than the one that was chosen proves nothing", async (t) => {
+test("a tap on another sensor than the one that was chosen proves nothing", async (t) => {
   const page = await open(t);
   const left = await choose(page, "fl_carrier_z");
   const right = await choose(page, "fr_carrier_z");

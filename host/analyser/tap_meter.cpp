@@ -1,4 +1,4 @@
-#include "host/analyser/tap_test.hpp"
+#include "host/analyser/tap_meter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,24 +36,24 @@ void TapMeter::begin_anew() {
   rows_.clear();
 }
 
-std::optional<Knock> TapMeter::add(const ScanBlock& block) {
+std::optional<Tap> TapMeter::add(const ScanBlock& block) {
   if (block.header.scans <= 0) return std::nullopt;
   const bool moves = turns(block);
   if (block.header.first_scan != next_scan_ || moves) begin_anew();
   next_scan_ = block.header.first_scan + block.header.scans;
   if (moves) return std::nullopt;
-  std::optional<Knock> knock;
+  std::optional<Tap> tap;
   for (std::int64_t r = 0; r < block.header.scans; ++r) {
     Row row{};
     const auto& counts = block.counts[static_cast<std::size_t>(r)];
     for (std::size_t c = 0; c < node_.channel.size() && c < row.size(); ++c)
       if (node_.channel[c].role != ChannelRole::kUnused) row[c] = node_.channel[c].to_si(counts[c]);
-    if (auto ended = add(row, block.row_time_ns(r))) knock = ended;
+    if (auto ended = add(row, block.row_time_ns(r))) tap = ended;
   }
-  return knock;
+  return tap;
 }
 
-std::optional<Knock> TapMeter::add(const Row& row, std::int64_t time_ns) {
+std::optional<Tap> TapMeter::add(const Row& row, std::int64_t time_ns) {
   Row about{};
   for (std::size_t c = 0; c < row.size(); ++c) about[c] = row[c] - noise_[c].mean;
   const auto scans = [this](double seconds) { return std::lround(seconds * node_.rate_hz); };
@@ -61,10 +61,10 @@ std::optional<Knock> TapMeter::add(const Row& row, std::int64_t time_ns) {
   if (wanted_ > 0) {
     if (--wanted_ > 0) return std::nullopt;
     ++number_;
-    const Knock knock = finish();
+    const Tap tap = finish();
     rows_.clear();
     quiet_ = scans(kQuiet_s);
-    return knock;
+    return tap;
   }
   if (std::ssize(rows_) > scans(kBefore_s) + 1) rows_.pop_front();
   const bool knows = learned_ >= scans(kMemory_s);
@@ -103,21 +103,21 @@ bool TapMeter::begins(const Row& about) const {
   return false;
 }
 
-Knock TapMeter::finish() const {
-  Knock knock{.node = node_.id, .time_ns = begin_ns_, .number = number_};
+Tap TapMeter::finish() const {
+  Tap tap{.node = node_.id, .time_ns = begin_ns_, .number = number_};
   for (std::size_t c = 0; c < static_cast<std::size_t>(kAccelerations); ++c) {
-    double& peak = knock.peak_m_s2[c];
+    double& peak = tap.peak_m_s2[c];
     for (const Row& row : rows_) peak = std::max(peak, std::abs(row[c]));
     auto row =
         std::ranges::find_if(rows_, [&](const Row& each) { return std::abs(each[c]) >= kSwing * peak; });
     if (row == rows_.end()) continue;
-    double& first = knock.first_m_s2[c];
+    double& first = tap.first_m_s2[c];
     for (const bool up = (*row)[c] > 0.0; row != rows_.end() && ((*row)[c] > 0.0) == up; ++row)
       if (std::abs((*row)[c]) > std::abs(first)) first = (*row)[c];
   }
-  const auto loudest = std::ranges::max_element(knock.peak_m_s2);
-  knock.channel = static_cast<std::int32_t>(loudest - knock.peak_m_s2.begin());
-  return knock;
+  const auto loudest = std::ranges::max_element(tap.peak_m_s2);
+  tap.channel = static_cast<std::int32_t>(loudest - tap.peak_m_s2.begin());
+  return tap;
 }
 
 }  // namespace roadbalance

@@ -1,4 +1,4 @@
-#include "common/bus/knock.hpp"
+#include "common/bus/tap.hpp"
 
 #include <wire/knock_t.hpp>
 
@@ -8,7 +8,7 @@ namespace roadbalance {
 namespace wire_fields {
 
 template <>
-struct Fields<Knock> {
+struct Fields<Tap> {
   using Wire = wire::knock_t;
   static void list(auto& field, auto& k, auto& m) {
     field(k.node, m.node, is_node);
@@ -22,12 +22,12 @@ struct Fields<Knock> {
 
 }  // namespace wire_fields
 
-std::vector<std::uint8_t> encode(const Knock& knock) {
-  return wire_fields::encode(knock);
+std::vector<std::uint8_t> encode(const Tap& tap) {
+  return wire_fields::encode(tap);
 }
 
-std::optional<Knock> decode_knock(std::span<const std::uint8_t> bytes) {
-  return wire_fields::decode<Knock>(bytes);
+std::optional<Tap> decode_tap(std::span<const std::uint8_t> bytes) {
+  return wire_fields::decode<Tap>(bytes);
 }
 
 }  // namespace roadbalance

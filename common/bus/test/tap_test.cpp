@@ -1,17 +1,17 @@
-#include "common/bus/knock.hpp"
+#include "common/bus/tap.hpp"
 
 #include <gtest/gtest.h>
 
 namespace roadbalance {
 namespace {
 
-TEST(Knock, ComesBackAsItWasSent) {
-  Knock sent{.node = 2, .time_ns = 5, .number = 9, .channel = 11};
+TEST(Tap, ComesBackAsItWasSent) {
+  Tap sent{.node = 2, .time_ns = 5, .number = 9, .channel = 11};
   for (std::size_t c = 0; c < kAccelerations; ++c) {
     sent.first_m_s2[c] = -1.5 * static_cast<double>(c);
     sent.peak_m_s2[c] = 2.5 * static_cast<double>(c);
   }
-  const auto got = decode_knock(encode(sent));
+  const auto got = decode_tap(encode(sent));
   ASSERT_TRUE(got);
   EXPECT_EQ(got->node, 2);
   EXPECT_EQ(got->time_ns, 5);
@@ -21,14 +21,13 @@ TEST(Knock, ComesBackAsItWasSent) {
   EXPECT_EQ(got->peak_m_s2, sent.peak_m_s2);
 }
 
-TEST(Knock, RefusesAChannelThatCannotBe) {
+TEST(Tap, RefusesAChannelThatCannotBe) {
   for (const std::int32_t channel : {-1, kAccelerations})
-    EXPECT_FALSE(decode_knock(encode(Knock{.node = 1, .channel = channel}))) << channel;
+    EXPECT_FALSE(decode_tap(encode(Tap{.node = 1, .channel = channel}))) << channel;
 }
 
-TEST(Knock, RefusesANodeThatCannotBe) {
-  for (const std::int32_t node : {-1, 0, 10'000})
-    EXPECT_FALSE(decode_knock(encode(Knock{.node = node}))) << node;
+TEST(Tap, RefusesANodeThatCannotBe) {
+  for (const std::int32_t node : {-1, 0, 10'000}) EXPECT_FALSE(decode_tap(encode(Tap{.node = node}))) << node;
 }
 
 }  // namespace

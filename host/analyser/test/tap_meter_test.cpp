@@ -1,4 +1,4 @@
-#include "host/analyser/tap_test.hpp"
+#include "host/analyser/tap_meter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,9 @@ constexpr double kRate_hz = 2000.0;
 constexpr double kScale = 1e-5;  // m/s^2 per count
 
 /// Twelve channels with 0.02 m/s^2 of noise about gravity on the last, and whatever shakes them.
-class TapTestTest : public testing::Test {
+class TapMeterTest : public testing::Test {
  protected:
-  TapTestTest() : meter_(node()) {}
+  TapMeterTest() : meter_(node()) {}
 
   static NodeConfig node() {
     NodeConfig node{.name = "front", .id = 3, .rate_hz = kRate_hz, .channel = {}};
@@ -49,7 +49,7 @@ class TapTestTest : public testing::Test {
         block.counts[r][15] = static_cast<std::int32_t>(kFullScaleCounts);
       }
       scan_ += 20;
-      if (const auto knock = meter_.add(block)) heard_.push_back(*knock);
+      if (const auto tap = meter_.add(block)) heard_.push_back(*tap);
     }
   }
   double now_s() const { return static_cast<double>(scan_) / kRate_hz; }
@@ -61,14 +61,14 @@ class TapTestTest : public testing::Test {
   }
 
   TapMeter meter_;
-  std::vector<Knock> heard_;
+  std::vector<Tap> heard_;
   std::int64_t scan_ = 0;
   double turning_rad_s_ = 0.0;
   std::mt19937_64 random_{7};
   std::normal_distribution<double> noise_;
 };
 
-TEST_F(TapTestTest, TellsWhichChannelRangAndItsSign) {
+TEST_F(TapMeterTest, TellsWhichChannelRangAndItsSign) {
   drive(2.0);
   const double at_s = now_s() + 0.1;
   drive(1.0, [&](int c, double time_s) {
@@ -77,20 +77,20 @@ TEST_F(TapTestTest, TellsWhichChannelRangAndItsSign) {
     return 0.0;
   });
   ASSERT_EQ(heard_.size(), 1U);
-  const Knock& knock = heard_[0];
-  EXPECT_EQ(knock.node, 3);
-  EXPECT_EQ(knock.number, 1);
-  EXPECT_EQ(knock.channel, 4);
-  EXPECT_NEAR(static_cast<double>(knock.time_ns) * 1e-9, at_s, 0.002);
+  const Tap& tap = heard_[0];
+  EXPECT_EQ(tap.node, 3);
+  EXPECT_EQ(tap.number, 1);
+  EXPECT_EQ(tap.channel, 4);
+  EXPECT_NEAR(static_cast<double>(tap.time_ns) * 1e-9, at_s, 0.002);
   // The first peak of a sine that falls as exp(-t / 20 ms) is where tan(w t) = w 20 ms: 3.82 ms, 0.818 of it.
   const double peak = 6.0 * std::exp(-3.82e-3 / 0.02) * std::sin(2.0 * std::numbers::pi * 60.0 * 3.82e-3);
-  EXPECT_NEAR(knock.first_m_s2[4], -peak, 0.1);
-  EXPECT_NEAR(knock.peak_m_s2[4], peak, 0.1);
-  EXPECT_NEAR(knock.first_m_s2[11], peak / 3.0, 0.1) << "gravity is no knock";
-  EXPECT_LT(knock.peak_m_s2[0], 0.2);
+  EXPECT_NEAR(tap.first_m_s2[4], -peak, 0.1);
+  EXPECT_NEAR(tap.peak_m_s2[4], peak, 0.1);
+  EXPECT_NEAR(tap.first_m_s2[11], peak / 3.0, 0.1) << "gravity is no tap";
+  EXPECT_LT(tap.peak_m_s2[0], 0.2);
 }
 
-TEST_F(TapTestTest, CountsEachOnceAndTellsTheOtherSign) {
+TEST_F(TapMeterTest, CountsEachOnceAndTellsTheOtherSign) {
   drive(2.0);
   for (const double size : {3.0, -3.0, 3.0}) {
     const double at_s = now_s() + 0.05;
@@ -103,12 +103,12 @@ TEST_F(TapTestTest, CountsEachOnceAndTellsTheOtherSign) {
 }
 
 // Noise alone reaches 8 sigma once in 1e15 scans.
-TEST_F(TapTestTest, HearsNothingInQuiet) {
+TEST_F(TapMeterTest, HearsNothingInQuiet) {
   drive(60.0);
   EXPECT_TRUE(heard_.empty());
 }
 
-TEST_F(TapTestTest, HearsNothingWhileTheCarMoves) {
+TEST_F(TapMeterTest, HearsNothingWhileTheCarMoves) {
   turning_rad_s_ = 20.0;
   drive(2.0);
   const double at_s = now_s() + 0.1;
@@ -124,7 +124,7 @@ TEST_F(TapTestTest, HearsNothingWhileTheCarMoves) {
   EXPECT_TRUE(heard_.empty()) << "it is shaken";
 }
 
-TEST_F(TapTestTest, BeginsAnewBehindAHole) {
+TEST_F(TapMeterTest, BeginsAnewBehindAHole) {
   drive(2.0);
   scan_ += 1000;
   drive(0.5, [](int, double) { return 5.0; });  // what was learned before does not count

@@ -10,10 +10,10 @@
 
 namespace roadbalance {
 
-inline constexpr const char* kKnockChannel = "RB_KNOCK";
+inline constexpr const char* kTapChannel = "RB_KNOCK";
 
-/// A knock on the car at rest, as one node's channels felt it; fields as in common/wire/knock_t.
-struct Knock {
+/// A tap on the car at rest, as one node's channels felt it; fields as in common/wire/knock_t.
+struct Tap {
   std::int32_t node = 0;
   std::int64_t time_ns = 0;
   std::int64_t number = 0;
@@ -21,7 +21,7 @@ struct Knock {
   std::array<double, kAccelerations> first_m_s2{}, peak_m_s2{};
 };
 
-std::vector<std::uint8_t> encode(const Knock& knock);
-std::optional<Knock> decode_knock(std::span<const std::uint8_t> bytes);
+std::vector<std::uint8_t> encode(const Tap& tap);
+std::optional<Tap> decode_tap(std::span<const std::uint8_t> bytes);
 
 }  // namespace roadbalance
