@@ -20,7 +20,7 @@
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/transfer_report.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/process/temporary_folder.hpp"
 #include "common/record/log_event.hpp"
@@ -161,7 +161,7 @@ void write_messages() {
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));
   write("results", "remark", encode(Remark{.remarks = 1, .text = "static only"}));
   write("results", "verification",
-        encode(WheelVerification{.wheel = 1, .state = VerificationState::kKnown, .text = "before"}));
+        encode(WeightCheck{.wheel = 1, .state = WeightCheckState::kKnown, .text = "before"}));
   write("results", "job",
         encode(Job{.jobs = 1,
                    .job = 2,

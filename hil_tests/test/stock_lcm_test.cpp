@@ -25,7 +25,7 @@
 #include "common/bus/setup.hpp"
 #include "common/bus/tap.hpp"
 #include "common/bus/transfer_report.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/record/record_writer.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
@@ -205,7 +205,7 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     setup.node = 4;
     setup.name = "front";
     append("setup_t", encode(setup));
-    append("verification_t", encode(WheelVerification{.wheel = 2}));
+    append("verification_t", encode(WeightCheck{.wheel = 2}));
     append("recording_t", encode(RecordingSummary{}));
     append("job_t", encode(Job{.jobs = 1, .recording = "drive", .progress = 0.5, .text = "text"}));
     append("document_t", encode(DocumentPart{.parts = 1, .bytes = "text"}));

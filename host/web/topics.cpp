@@ -18,7 +18,7 @@
 #include "common/bus/setup.hpp"
 #include "common/bus/tap.hpp"
 #include "common/bus/transfer_report.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 
 namespace roadbalance {
 namespace {
@@ -111,8 +111,7 @@ const std::array kPageMessages{
     PageMessage{kTapChannel, [](Bytes bytes) { return node_of(decode_tap(bytes)); }, false, nullptr,
                 kMostNodes},
     PageMessage{"RB_SETUP_.*", [](Bytes bytes) { return node_of(decode_setup(bytes)); }, true},
-    PageMessage{kVerificationChannel, [](Bytes bytes) { return wheel_of(decode_verification(bytes)); },
-                false},
+    PageMessage{kWeightCheckChannel, [](Bytes bytes) { return wheel_of(decode_weight_check(bytes)); }, false},
     PageMessage{kRecordingChannel,
                 [](Bytes bytes) {
                   const auto recording = decode_recording(bytes);

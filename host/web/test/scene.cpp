@@ -24,7 +24,7 @@
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
 #include "common/bus/tap.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/process/stop_on_signal.hpp"
 
 // rb-web-scene URL SCENE: publishes on the bus, 25 times a second, the messages of a car in the wanted state,
@@ -38,11 +38,11 @@ constexpr std::int64_t kIncarnation = 1'763'741'000'000;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Scene {
-  bool known = true;      ///< the unbalances
-  bool armed = false;     ///< a recording has ended, with a receipt; the next may begin
-  bool verified = false;  ///< a drive before weights were fitted is known
-  bool analysed = true;   ///< an analyser is there: levels and results
-  bool trouble = false;   ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
+  bool known = true;     ///< the unbalances
+  bool armed = false;    ///< a recording has ended, with a receipt; the next may begin
+  bool checked = false;  ///< a drive before weights were fitted is known
+  bool analysed = true;  ///< an analyser is there: levels and results
+  bool trouble = false;  ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
   bool disk_is_away = false;
   bool device_is_gone = false;  ///< of node 2
 };
@@ -53,7 +53,7 @@ constexpr std::array kAfter_g{2.0, 42.1, 70.0, 35.0}, kAfterDegrees{80.0, 270.0,
 const std::map<std::string_view, Scene> kScenes{{"known", {}},
                                                 {"armed", {.armed = true}},
                                                 {"unknown", {.known = false}},
-                                                {"verified", {.verified = true}},
+                                                {"checked", {.checked = true}},
                                                 {"unanalysed", {.analysed = false}},
                                                 {"trouble", {.trouble = true}},
                                                 {"disk away", {.disk_is_away = true}},
@@ -165,8 +165,8 @@ Balance balance(const Scene& scene, std::int32_t wheel) {
     return balance;
   }
   balance.state = Unknown::kNone;
-  balance.unbalance_g = scene.verified ? kAfter_g[w] : kGrams[w];
-  balance.angle_rad = (scene.verified ? kAfterDegrees[w] : kDegrees[w]) * kDegree;
+  balance.unbalance_g = scene.checked ? kAfter_g[w] : kGrams[w];
+  balance.angle_rad = (scene.checked ? kAfterDegrees[w] : kDegrees[w]) * kDegree;
   // Wheels 2 and 4 are done: better than the wanted 2 g.
   const double scale = w % 2 == 0 ? 1.0 : 0.36;
   balance.covariance_g2 << 9.0 * scale, 2.0 * scale, 2.0 * scale, 4.0 * scale;
@@ -200,7 +200,7 @@ Compensation compensation(const Scene& scene, const Balance& of) {
   constexpr WeightPlace kOuter{0.19, WeightKind::kClip, RimPlane::kOuter};
   constexpr WeightPlace kInner{0.19, WeightKind::kClip, RimPlane::kInner};
   constexpr WeightPlace kStuck{0.19, WeightKind::kAdhesive, RimPlane::kInner};
-  switch (scene.verified && of.wheel == 0 ? 3 : of.wheel) {
+  switch (scene.checked && of.wheel == 0 ? 3 : of.wheel) {
     case 0:
     case 1:
       plan.advice = Advice::kSteps;
@@ -231,21 +231,21 @@ Identification identification(const Scene& scene) {
 }
 
 /// 217 degrees and 35 g before; 2 g, the mirrored place, the heavy spot itself, no effect.
-WheelVerification verification(std::int32_t wheel) {
+WeightCheck weight_check(std::int32_t wheel) {
   constexpr std::array kPlacements{WeightPlacement::kAsWanted, WeightPlacement::kMirrored,
                                    WeightPlacement::kOpposite, WeightPlacement::kNoEffect};
-  constexpr std::array kVerdicts{VerificationVerdict::kGood, VerificationVerdict::kMore,
-                                 VerificationVerdict::kMore, VerificationVerdict::kUnchanged};
+  constexpr std::array kVerdicts{WeightCheckVerdict::kGood, WeightCheckVerdict::kMore,
+                                 WeightCheckVerdict::kMore, WeightCheckVerdict::kUnchanged};
   const auto w = static_cast<std::size_t>(wheel);
-  WheelVerification v{.wheel = wheel,
-                      .time_ns = 1,
-                      .state = VerificationState::kKnown,
-                      .verdict = kVerdicts[w],
-                      .placement = kPlacements[w],
-                      .weight_radius_m = 0.19,
-                      .reduction = 1.0 - kAfter_g[w] / 35.0,
-                      .sigma_reduction = 0.04,
-                      .text = "2026-11-22-first"};
+  WeightCheck v{.wheel = wheel,
+                .time_ns = 1,
+                .state = WeightCheckState::kKnown,
+                .verdict = kVerdicts[w],
+                .placement = kPlacements[w],
+                .weight_radius_m = 0.19,
+                .reduction = 1.0 - kAfter_g[w] / 35.0,
+                .sigma_reduction = 0.04,
+                .text = "2026-11-22-first"};
   v.before_g << 35.0 * std::cos(217 * kDegree), 35.0 * std::sin(217 * kDegree);
   v.after_g << kAfter_g[w] * std::cos(kAfterDegrees[w] * kDegree),
       kAfter_g[w] * std::sin(kAfterDegrees[w] * kDegree);
@@ -331,9 +331,9 @@ void publish_knowledge(Bus& bus, const Scene& scene) {
       "static unbalance only: couple unbalance leaves no trace in vertical sensors"};
   for (const Remark& remark : remarks_of(0, scene.known ? sentences : std::vector<std::string>()))
     bus.publish(kRemarkChannel, encode(remark));
-  if (scene.verified)
+  if (scene.checked)
     for (std::int32_t wheel = 0; wheel < kWheels; ++wheel)
-      bus.publish(kVerificationChannel, encode(verification(wheel)));
+      bus.publish(kWeightCheckChannel, encode(weight_check(wheel)));
 }
 
 void publish_all(Bus& bus, const Scene& scene) {

@@ -1,4 +1,4 @@
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 
 #include <wire/verification_t.hpp>
 
@@ -9,13 +9,13 @@ namespace roadbalance {
 namespace wire_fields {
 
 template <>
-struct Fields<WheelVerification> {
+struct Fields<WeightCheck> {
   using Wire = wire::verification_t;
   static void list(auto& field, auto& v, auto& m) {
     field(v.wheel, m.wheel, below(kWheels));
     field(v.time_ns, m.time_ns);
-    field(v.state, m.state, up_to(VerificationState::kKnown));
-    field(v.verdict, m.verdict, up_to(VerificationVerdict::kMore));
+    field(v.state, m.state, up_to(WeightCheckState::kKnown));
+    field(v.verdict, m.verdict, up_to(WeightCheckVerdict::kMore));
     field(v.placement, m.placement, up_to(WeightPlacement::kNoEffect));
     field(v.fitted_known, m.fitted_known);
     field(v.before_g, m.before_g);
@@ -32,14 +32,14 @@ struct Fields<WheelVerification> {
 
 }  // namespace wire_fields
 
-static_assert(sizeof(wire::verification_t::text) == kMostVerificationBytes);
+static_assert(sizeof(wire::verification_t::text) == kMostWeightCheckBytes);
 
-std::vector<std::uint8_t> encode(const WheelVerification& verification) {
-  return wire_fields::encode(verification);
+std::vector<std::uint8_t> encode(const WeightCheck& check) {
+  return wire_fields::encode(check);
 }
 
-std::optional<WheelVerification> decode_verification(std::span<const std::uint8_t> bytes) {
-  return wire_fields::decode<WheelVerification>(bytes);
+std::optional<WeightCheck> decode_weight_check(std::span<const std::uint8_t> bytes) {
+  return wire_fields::decode<WeightCheck>(bytes);
 }
 
 }  // namespace roadbalance

@@ -1,4 +1,4 @@
-#include "host/analysis/balance/verification.hpp"
+#include "host/analysis/balance/check_weights.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -33,7 +33,7 @@ double sigma_of_length(const Eigen::Vector2d& vector, const Eigen::Matrix2d& cov
   return std::sqrt(vector.dot(covariance * vector)) / length;
 }
 
-WeightPlacement placement(const WheelVerification& v) {
+WeightPlacement placement(const WeightCheck& v) {
   const Eigen::Vector2d change = v.after_g - v.before_g;
   const Eigen::Matrix2d covariance = v.before_covariance_g2 + v.after_covariance_g2;
   const double fitting_g = kFitting * v.fitted_g.norm();
@@ -54,16 +54,16 @@ WeightPlacement placement(const WheelVerification& v) {
   return as_mirrored <= as_opposite ? WeightPlacement::kMirrored : WeightPlacement::kOpposite;
 }
 
-VerificationVerdict verdict(const WheelVerification& v, const BalanceLimits& limits) {
+WeightCheckVerdict verdict(const WeightCheck& v, const BalanceLimits& limits) {
   const double after_g = v.after_g.norm();
   if (std::sqrt(after_g * after_g + v.after_covariance_g2.trace()) <= limits.shop_g)
-    return VerificationVerdict::kGood;
+    return WeightCheckVerdict::kGood;
   const double more_g = after_g - v.before_g.norm();
   const double sigma_after_g = sigma_of_length(v.after_g, v.after_covariance_g2);
   const double sigma_g = std::hypot(sigma_after_g, sigma_of_length(v.before_g, v.before_covariance_g2));
-  if (more_g < -2.0 * sigma_g) return VerificationVerdict::kLess;
-  if (more_g > 2.0 * sigma_g) return VerificationVerdict::kMore;
-  return sigma_after_g > limits.sigma_g ? VerificationVerdict::kOpen : VerificationVerdict::kUnchanged;
+  if (more_g < -2.0 * sigma_g) return WeightCheckVerdict::kLess;
+  if (more_g > 2.0 * sigma_g) return WeightCheckVerdict::kMore;
+  return sigma_after_g > limits.sigma_g ? WeightCheckVerdict::kOpen : WeightCheckVerdict::kUnchanged;
 }
 
 std::complex<double> fitted_between_g_m(const WheelConfig& before, const WheelConfig& after) {
@@ -72,8 +72,7 @@ std::complex<double> fitted_between_g_m(const WheelConfig& before, const WheelCo
   return std::abs(moment) > kLeast_g_m ? moment : 0.0;
 }
 
-void put_fitted(const BalancedDrive& before, const BalancedDrive& after, std::size_t w,
-                WheelVerification& v) {
+void put_fitted(const BalancedDrive& before, const BalancedDrive& after, std::size_t w, WeightCheck& v) {
   const std::complex<double> by_files = fitted_between_g_m(before.vehicle.wheel[w], after.vehicle.wheel[w]);
   v.fitted_known = by_files != 0.0;
   const Compensation& advised = before.compensation[w];
@@ -82,20 +81,20 @@ void put_fitted(const BalancedDrive& before, const BalancedDrive& after, std::si
   v.fitted_g = components(v.fitted_known ? by_files : by_advice) / v.weight_radius_m;
 }
 
-WheelVerification verify_wheel(const BalancedDrive& before, const BalancedDrive& after, std::size_t w) {
+WeightCheck check_wheel(const BalancedDrive& before, const BalancedDrive& after, std::size_t w) {
   const Balance& now = after.balance[w];
   const Balance& then = before.balance[w];
-  WheelVerification v{.wheel = static_cast<std::int32_t>(w),
-                      .time_ns = now.time_ns,
-                      .weight_radius_m = now.weight_radius_m,
-                      .text = before.name};
+  WeightCheck v{.wheel = static_cast<std::int32_t>(w),
+                .time_ns = now.time_ns,
+                .weight_radius_m = now.weight_radius_m,
+                .text = before.name};
   if (std::string why = why_not_comparable(before.vehicle, after.vehicle, v.wheel); !why.empty()) {
-    v.state = VerificationState::kNotComparable;
+    v.state = WeightCheckState::kNotComparable;
     v.text = std::move(why);
     return v;
   }
   if (then.state != Unknown::kNone) {
-    v.state = VerificationState::kBeforeUnknown;
+    v.state = WeightCheckState::kBeforeUnknown;
     return v;
   }
   const double scale = then.weight_radius_m / now.weight_radius_m;
@@ -103,10 +102,10 @@ WheelVerification verify_wheel(const BalancedDrive& before, const BalancedDrive&
   v.before_covariance_g2 = scale * scale * then.covariance_g2;
   put_fitted(before, after, w, v);
   if (now.state != Unknown::kNone) {
-    v.state = VerificationState::kAfterUnknown;
+    v.state = WeightCheckState::kAfterUnknown;
     return v;
   }
-  v.state = VerificationState::kKnown;
+  v.state = WeightCheckState::kKnown;
   v.after_g = unbalance_g(now);
   v.after_covariance_g2 = now.covariance_g2;
   const double length_before = v.before_g.norm(), length_after = v.after_g.norm();
@@ -153,16 +152,15 @@ bool weights_were_fitted_between(const VehicleConfig& before, const VehicleConfi
   return fitted;
 }
 
-std::array<WheelVerification, kWheels> verify_weights(const BalancedDrive& before,
-                                                      const BalancedDrive& after) {
-  std::array<WheelVerification, kWheels> result;
-  for (std::size_t w = 0; w < kWheels; ++w) result[w] = verify_wheel(before, after, w);
+std::array<WeightCheck, kWheels> check_weights(const BalancedDrive& before, const BalancedDrive& after) {
+  std::array<WeightCheck, kWheels> result;
+  for (std::size_t w = 0; w < kWheels; ++w) result[w] = check_wheel(before, after, w);
   return result;
 }
 
-std::array<WheelVerification, kWheels> reading_before(const std::string& name,
-                                                      const std::array<Balance, kWheels>& now) {
-  std::array<WheelVerification, kWheels> result;
+std::array<WeightCheck, kWheels> reading_before(const std::string& name,
+                                                const std::array<Balance, kWheels>& now) {
+  std::array<WeightCheck, kWheels> result;
   for (std::size_t w = 0; w < kWheels; ++w)
     result[w] = {.wheel = static_cast<std::int32_t>(w), .time_ns = now[w].time_ns, .text = name};
   return result;

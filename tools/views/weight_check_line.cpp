@@ -1,4 +1,4 @@
-#include "tools/views/verification_line.hpp"
+#include "tools/views/weight_check_line.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,17 +11,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* said(VerificationVerdict verdict) {
+const char* said(WeightCheckVerdict verdict) {
   switch (verdict) {
-    case VerificationVerdict::kOpen:
+    case WeightCheckVerdict::kOpen:
       return "not known well enough yet: drive on";
-    case VerificationVerdict::kGood:
+    case WeightCheckVerdict::kGood:
       return "good: no more is left than a shop leaves";
-    case VerificationVerdict::kLess:
+    case WeightCheckVerdict::kLess:
       return "better, and more is left than a shop leaves";
-    case VerificationVerdict::kUnchanged:
+    case WeightCheckVerdict::kUnchanged:
       return "NO BETTER than before";
-    case VerificationVerdict::kMore:
+    case WeightCheckVerdict::kMore:
       return "WORSE than before";
   }
   return "";
@@ -47,7 +47,7 @@ const char* said(WeightPlacement placement) {
   return "";
 }
 
-const char* name_of(VerificationVerdict verdict) {
+const char* name_of(WeightCheckVerdict verdict) {
   constexpr const char* kNames[]{"open", "good", "less", "unchanged", "more"};
   return kNames[static_cast<int>(verdict)];
 }
@@ -57,7 +57,7 @@ const char* name_of(WeightPlacement placement) {
   return kNames[static_cast<int>(placement)];
 }
 
-const char* name_of(VerificationState state) {
+const char* name_of(WeightCheckState state) {
   constexpr const char* kNames[]{"reading_before", "not_comparable", "before_unknown", "after_unknown",
                                  "known"};
   return kNames[static_cast<int>(state)];
@@ -65,17 +65,17 @@ const char* name_of(VerificationState state) {
 
 }  // namespace
 
-std::string verification_line(const WheelVerification& v) {
+std::string weight_check_line(const WeightCheck& v) {
   switch (v.state) {
-    case VerificationState::kReadingBefore:
+    case WeightCheckState::kReadingBefore:
       return "the drive before (" + v.text + ") is being read";
-    case VerificationState::kNotComparable:
+    case WeightCheckState::kNotComparable:
       return "no comparison: " + v.text;
-    case VerificationState::kBeforeUnknown:
+    case WeightCheckState::kBeforeUnknown:
       return "no comparison: the drive before (" + v.text + ") did not tell this wheel";
-    case VerificationState::kAfterUnknown:
+    case WeightCheckState::kAfterUnknown:
       return format("before (%s) %.1f g; this drive does not tell it yet", v.text.c_str(), v.before_g.norm());
-    case VerificationState::kKnown:
+    case WeightCheckState::kKnown:
       break;
   }
   return format("before (%s) %.1f g, now %.1f g: %.0f %% %s, ± %.0f %%; %s%s", v.text.c_str(),
@@ -84,10 +84,10 @@ std::string verification_line(const WheelVerification& v) {
                 said(v.verdict), said(v.placement));
 }
 
-Json wheel_verification_json(const WheelVerification& v) {
+Json weight_check_json(const WeightCheck& v) {
   const auto vector = [](const Eigen::Vector2d& value) { return Json{value.x(), value.y()}; };
-  const bool has_before = v.state == VerificationState::kKnown || v.state == VerificationState::kAfterUnknown;
-  const bool is_known = v.state == VerificationState::kKnown;
+  const bool has_before = v.state == WeightCheckState::kKnown || v.state == WeightCheckState::kAfterUnknown;
+  const bool is_known = v.state == WeightCheckState::kKnown;
   const auto if_known = [](bool known, Json value) { return known ? std::move(value) : Json(nullptr); };
   return {{"wheel", kWheelNames.at(static_cast<std::size_t>(v.wheel))},
           {"state", name_of(v.state)},

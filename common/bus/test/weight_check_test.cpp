@@ -1,4 +1,4 @@
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,16 +8,16 @@ namespace roadbalance {
 namespace {
 
 TEST(Verification, ComesBackAsItWasSent) {
-  WheelVerification sent{.wheel = 3,
-                         .time_ns = 8,
-                         .state = VerificationState::kKnown,
-                         .verdict = VerificationVerdict::kLess,
-                         .placement = WeightPlacement::kMirrored,
-                         .fitted_known = true,
-                         .weight_radius_m = 0.19,
-                         .reduction = 0.75,
-                         .sigma_reduction = 0.125,
-                         .text = "drive1"};
+  WeightCheck sent{.wheel = 3,
+                   .time_ns = 8,
+                   .state = WeightCheckState::kKnown,
+                   .verdict = WeightCheckVerdict::kLess,
+                   .placement = WeightPlacement::kMirrored,
+                   .fitted_known = true,
+                   .weight_radius_m = 0.19,
+                   .reduction = 0.75,
+                   .sigma_reduction = 0.125,
+                   .text = "drive1"};
   sent.before_g << 1.0, 2.0;
   sent.after_g << 3.0, 4.0;
   sent.fitted_g << 5.0, -6.0;
@@ -25,12 +25,12 @@ TEST(Verification, ComesBackAsItWasSent) {
   sent.after_covariance_g2 << 2.0, 0.5, 0.5, 1.0;
   const auto bytes = encode(sent);
   EXPECT_LT(bytes.size(), 1400U) << "one datagram";
-  const auto got = decode_verification(bytes);
+  const auto got = decode_weight_check(bytes);
   ASSERT_TRUE(got);
   EXPECT_EQ(got->wheel, 3);
   EXPECT_EQ(got->time_ns, 8);
-  EXPECT_EQ(got->state, VerificationState::kKnown);
-  EXPECT_EQ(got->verdict, VerificationVerdict::kLess);
+  EXPECT_EQ(got->state, WeightCheckState::kKnown);
+  EXPECT_EQ(got->verdict, WeightCheckVerdict::kLess);
   EXPECT_EQ(got->placement, WeightPlacement::kMirrored);
   EXPECT_TRUE(got->fitted_known);
   EXPECT_EQ(got->before_g, sent.before_g);
@@ -46,15 +46,15 @@ TEST(Verification, ComesBackAsItWasSent) {
 
 TEST(Verification, RefusesWhatCannotBe) {
   const auto taken = [](auto spoil) {
-    WheelVerification sent;
+    WeightCheck sent;
     spoil(sent);
-    return decode_verification(encode(sent)).has_value();
+    return decode_weight_check(encode(sent)).has_value();
   };
-  EXPECT_TRUE(taken([](WheelVerification&) {}));
+  EXPECT_TRUE(taken([](WeightCheck&) {}));
   for (const std::int32_t value : {-1, 6}) {
     EXPECT_FALSE(taken([&](auto& sent) { sent.wheel = value; })) << value;
-    EXPECT_FALSE(taken([&](auto& sent) { sent.state = static_cast<VerificationState>(value); })) << value;
-    EXPECT_FALSE(taken([&](auto& sent) { sent.verdict = static_cast<VerificationVerdict>(value); })) << value;
+    EXPECT_FALSE(taken([&](auto& sent) { sent.state = static_cast<WeightCheckState>(value); })) << value;
+    EXPECT_FALSE(taken([&](auto& sent) { sent.verdict = static_cast<WeightCheckVerdict>(value); })) << value;
     EXPECT_FALSE(taken([&](auto& sent) { sent.placement = static_cast<WeightPlacement>(value); })) << value;
   }
 }

@@ -11,10 +11,10 @@
 
 namespace roadbalance {
 
-inline constexpr const char* kVerificationChannel = "RB_VERIFICATION";
-inline constexpr std::size_t kMostVerificationBytes = 240;
+inline constexpr const char* kWeightCheckChannel = "RB_VERIFICATION";
+inline constexpr std::size_t kMostWeightCheckBytes = 240;
 
-enum class VerificationState : std::int32_t {
+enum class WeightCheckState : std::int32_t {
   kReadingBefore = 0,  ///< the recording before is being evaluated
   kNotComparable = 1,  ///< the text says why
   kBeforeUnknown = 2,  ///< the drive before did not tell this wheel's unbalance
@@ -22,7 +22,7 @@ enum class VerificationState : std::int32_t {
   kKnown = 4,
 };
 
-enum class VerificationVerdict : std::int32_t {
+enum class WeightCheckVerdict : std::int32_t {
   kOpen = 0,       ///< not known well enough yet
   kGood = 1,       ///< what is left is no more than a shop leaves
   kLess = 2,       ///< less than before, and more than a shop leaves
@@ -41,11 +41,11 @@ enum class WeightPlacement : std::int32_t {
 };
 
 /// The drive before the weights beside the one after, of one wheel; fields as in common/wire/verification_t.
-struct WheelVerification {
+struct WeightCheck {
   std::int32_t wheel = 0;
   std::int64_t time_ns = 0;
-  VerificationState state = VerificationState::kReadingBefore;
-  VerificationVerdict verdict = VerificationVerdict::kOpen;
+  WeightCheckState state = WeightCheckState::kReadingBefore;
+  WeightCheckVerdict verdict = WeightCheckVerdict::kOpen;
   WeightPlacement placement = WeightPlacement::kNotJudged;
   bool fitted_known = false;
   Eigen::Vector2d before_g = Eigen::Vector2d::Zero(), after_g = Eigen::Vector2d::Zero();
@@ -54,10 +54,10 @@ struct WheelVerification {
   Eigen::Vector2d fitted_g = Eigen::Vector2d::Zero();
   double weight_radius_m = 0.0;
   double reduction = 0.0, sigma_reduction = 0.0;
-  std::string text{};  ///< cut after kMostVerificationBytes
+  std::string text{};  ///< cut after kMostWeightCheckBytes
 };
 
-std::vector<std::uint8_t> encode(const WheelVerification& verification);
-std::optional<WheelVerification> decode_verification(std::span<const std::uint8_t> bytes);
+std::vector<std::uint8_t> encode(const WeightCheck& check);
+std::optional<WeightCheck> decode_weight_check(std::span<const std::uint8_t> bytes);
 
 }  // namespace roadbalance

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/analysis/balance/verification.hpp"
+#include "host/analysis/balance/check_weights.hpp"
 
 namespace roadbalance {
 namespace {
@@ -42,14 +42,14 @@ BalancedDrive before() {
   return result;
 }
 
-WheelVerification after(std::complex<double> unbalance_g) {
-  return verify_weights(before(), drive(unbalance_g))[kWheel];
+WeightCheck after(std::complex<double> unbalance_g) {
+  return check_weights(before(), drive(unbalance_g))[kWheel];
 }
 
-TEST(VerifyWeights, TellsWhatTheyHaveDone) {
-  const WheelVerification found = after(at(2.0, 80.0));
-  EXPECT_EQ(found.state, VerificationState::kKnown);
-  EXPECT_EQ(found.verdict, VerificationVerdict::kGood);
+TEST(CheckWeights, TellsWhatTheyHaveDone) {
+  const WeightCheck found = after(at(2.0, 80.0));
+  EXPECT_EQ(found.state, WeightCheckState::kKnown);
+  EXPECT_EQ(found.verdict, WeightCheckVerdict::kGood);
   EXPECT_EQ(found.placement, WeightPlacement::kAsWanted);
   EXPECT_FALSE(found.fitted_known);
   EXPECT_NEAR(found.reduction, 1.0 - 2.0 / 35.0, 1e-12);
@@ -59,7 +59,7 @@ TEST(VerifyWeights, TellsWhatTheyHaveDone) {
   EXPECT_EQ(found.text, "a drive");
 }
 
-TEST(VerifyWeights, TellsWhichMistakeWasMade) {
+TEST(CheckWeights, TellsWhichMistakeWasMade) {
   // Counted against the rotation, 37 degrees are -37.
   EXPECT_EQ(after(at(35.0, 217.0) + at(35.0, -37.0)).placement, WeightPlacement::kMirrored);
   EXPECT_EQ(after(at(70.0, 217.0)).placement, WeightPlacement::kOpposite);
@@ -67,55 +67,55 @@ TEST(VerifyWeights, TellsWhichMistakeWasMade) {
   EXPECT_EQ(after(at(35.0, 217.0) + at(35.0, 130.0)).placement, WeightPlacement::kElsewhere);
 }
 
-TEST(VerifyWeights, JudgesWhatIsLeft) {
-  EXPECT_EQ(after(at(70.0, 217.0)).verdict, VerificationVerdict::kMore);
-  EXPECT_EQ(after(at(35.5, 217.0)).verdict, VerificationVerdict::kUnchanged);
-  EXPECT_EQ(after(at(20.0, 217.0)).verdict, VerificationVerdict::kLess);
+TEST(CheckWeights, JudgesWhatIsLeft) {
+  EXPECT_EQ(after(at(70.0, 217.0)).verdict, WeightCheckVerdict::kMore);
+  EXPECT_EQ(after(at(35.5, 217.0)).verdict, WeightCheckVerdict::kUnchanged);
+  EXPECT_EQ(after(at(20.0, 217.0)).verdict, WeightCheckVerdict::kLess);
   // 6.9 g are within 7, but not with what is not known of them.
-  EXPECT_EQ(after(at(6.9, 0.0)).verdict, VerificationVerdict::kLess);
+  EXPECT_EQ(after(at(6.9, 0.0)).verdict, WeightCheckVerdict::kLess);
   BalancedDrive unclear = drive(at(34.0, 217.0));
   unclear.balance[kWheel].covariance_g2 *= 100.0;
-  EXPECT_EQ(verify_weights(before(), unclear)[kWheel].verdict, VerificationVerdict::kOpen);
+  EXPECT_EQ(check_weights(before(), unclear)[kWheel].verdict, WeightCheckVerdict::kOpen);
 }
 
-TEST(VerifyWeights, GoesByTheWeightsThatVehicleTomlTellsOf) {
+TEST(CheckWeights, GoesByTheWeightsThatVehicleTomlTellsOf) {
   BalancedDrive then = before(), now = drive(at(35.0, 217.0) + at(20.0, 100.0));
   then.vehicle.wheel[kWheel].fitted = {{10.0, 1.0, kRadius_m}};
   now.vehicle.wheel[kWheel].fitted = {{10.0, 1.0, kRadius_m}, {20.0, 100.0 * kDegree, kRadius_m}};
-  const WheelVerification found = verify_weights(then, now)[kWheel];
+  const WeightCheck found = check_weights(then, now)[kWheel];
   EXPECT_TRUE(found.fitted_known);
   EXPECT_EQ(found.placement, WeightPlacement::kAsWanted);
   EXPECT_NEAR(found.fitted_g.norm(), 20.0, 1e-9);
 }
 
-TEST(VerifyWeights, SaysNothingOfWeightsThatCannotBeSeen) {
+TEST(CheckWeights, SaysNothingOfWeightsThatCannotBeSeen) {
   BalancedDrive then = before();
   then.compensation[kWheel].plan.applied_g_m = kRadius_m * at(4.0, 37.0);  // chi^2 = 16 / 2 < 9.2
-  EXPECT_EQ(verify_weights(then, drive(at(35.0, 217.0)))[kWheel].placement, WeightPlacement::kNotJudged);
+  EXPECT_EQ(check_weights(then, drive(at(35.0, 217.0)))[kWheel].placement, WeightPlacement::kNotJudged);
   then.compensation[kWheel].advice = Advice::kLeaveSmall;
-  EXPECT_EQ(verify_weights(then, drive(at(35.0, 217.0)))[kWheel].fitted_g.norm(), 0.0);
+  EXPECT_EQ(check_weights(then, drive(at(35.0, 217.0)))[kWheel].fitted_g.norm(), 0.0);
 }
 
-TEST(VerifyWeights, NeverMixesDrivesWhoseAnglesOrGramsAreOfAnotherKind) {
+TEST(CheckWeights, NeverMixesDrivesWhoseAnglesOrGramsAreOfAnotherKind) {
   const auto state_with = [](auto change) {
     BalancedDrive then = before();
     change(then.vehicle, then.vehicle.wheel[kWheel]);
-    return verify_weights(then, drive(at(2.0, 0.0)))[kWheel];
+    return check_weights(then, drive(at(2.0, 0.0)))[kWheel];
   };
-  EXPECT_EQ(state_with([](auto&, auto&) {}).state, VerificationState::kKnown);
+  EXPECT_EQ(state_with([](auto&, auto&) {}).state, WeightCheckState::kKnown);
   for (const auto& other : {state_with([](auto&vehicle, auto&) { vehicle.name = "b"; }),
                             state_with([](auto&, auto&wheel) { wheel.encoder.datum_rad = 0.01; }),
                             state_with([](auto&, auto&wheel) { wheel.encoder.pulses_per_turn = 48; }),
                             state_with([](auto&, auto&wheel) { wheel.encoder.steering_ratio = 1.0; }),
                             state_with([](auto&, auto&wheel) { wheel.mass_kg = 33.0; })}) {
-    EXPECT_EQ(other.state, VerificationState::kNotComparable);
+    EXPECT_EQ(other.state, WeightCheckState::kNotComparable);
     EXPECT_NE(other.text, "");
     EXPECT_EQ(other.after_g.norm() + other.before_g.norm(), 0.0)
         << "no number of one beside one of the other";
   }
 }
 
-TEST(VerifyWeights, KnowsBetweenWhichDrivesWeightsWereFitted) {
+TEST(CheckWeights, KnowsBetweenWhichDrivesWeightsWereFitted) {
   BalancedDrive then = before(), now = before();
   EXPECT_FALSE(weights_were_fitted_between(then.vehicle, now.vehicle));
   now.vehicle.wheel[2].fitted = {{20.0, 1.0, kRadius_m}};
@@ -127,23 +127,23 @@ TEST(VerifyWeights, KnowsBetweenWhichDrivesWeightsWereFitted) {
   EXPECT_FALSE(weights_were_fitted_between(then.vehicle, now.vehicle));
 }
 
-TEST(VerifyWeights, WaitsForBothDrives) {
+TEST(CheckWeights, WaitsForBothDrives) {
   BalancedDrive then = before(), now = drive(at(2.0, 0.0));
   now.balance[kWheel].state = Unknown::kTooShort;
-  EXPECT_EQ(verify_weights(then, now)[kWheel].state, VerificationState::kAfterUnknown);
-  EXPECT_NEAR(verify_weights(then, now)[kWheel].before_g.norm(), 35.0, 1e-9);
+  EXPECT_EQ(check_weights(then, now)[kWheel].state, WeightCheckState::kAfterUnknown);
+  EXPECT_NEAR(check_weights(then, now)[kWheel].before_g.norm(), 35.0, 1e-9);
   then.balance[kWheel].state = Unknown::kInStep;
-  EXPECT_EQ(verify_weights(then, now)[kWheel].state, VerificationState::kBeforeUnknown);
+  EXPECT_EQ(check_weights(then, now)[kWheel].state, WeightCheckState::kBeforeUnknown);
   now.balance[3].time_ns = 17;
-  EXPECT_EQ(reading_before("x", now.balance)[3].state, VerificationState::kReadingBefore);
+  EXPECT_EQ(reading_before("x", now.balance)[3].state, WeightCheckState::kReadingBefore);
   EXPECT_EQ(reading_before("x", now.balance)[3].time_ns, 17)
       << "else it stands beside another recording's balance";
 }
 
-TEST(VerifyWeights, TellsGramsAtTheRadiusOfTheDriveAfter) {
+TEST(CheckWeights, TellsGramsAtTheRadiusOfTheDriveAfter) {
   BalancedDrive now = drive(at(2.0, 0.0));
   now.balance[kWheel].weight_radius_m = 0.5 * kRadius_m;
-  const WheelVerification found = verify_weights(before(), now)[kWheel];
+  const WeightCheck found = check_weights(before(), now)[kWheel];
   EXPECT_NEAR(found.before_g.norm(), 70.0, 1e-9);
   EXPECT_NEAR(found.fitted_g.norm(), 70.0, 1e-9);
   EXPECT_NEAR(found.before_covariance_g2(0, 0), 4.0, 1e-12);
@@ -151,7 +151,7 @@ TEST(VerifyWeights, TellsGramsAtTheRadiusOfTheDriveAfter) {
 
 // Weights that are where they should be are reported elsewhere in one drive of a hundred at most: of 4000
 // the binomial distribution has 40 +- 6.3.
-TEST(VerifyWeights, DoubtsRightWeightsSeldom) {
+TEST(CheckWeights, DoubtsRightWeightsSeldom) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> gram;
   int doubted = 0;
@@ -161,7 +161,7 @@ TEST(VerifyWeights, DoubtsRightWeightsSeldom) {
     const std::complex<double> measured = at(35.0, 217.0) + noise();
     then.balance[kWheel].unbalance_g = std::abs(measured);
     then.balance[kWheel].angle_rad = std::arg(measured);
-    doubted += verify_weights(then, drive(noise()))[kWheel].placement != WeightPlacement::kAsWanted;
+    doubted += check_weights(then, drive(noise()))[kWheel].placement != WeightPlacement::kAsWanted;
   }
   EXPECT_LE(doubted, 40 + 3 * 6.3);
 }

@@ -5,7 +5,7 @@
 
 #include "common/bus/compensation.hpp"
 #include "common/bus/results.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/config/vehicle_config.hpp"
 
 namespace roadbalance {
@@ -32,14 +32,13 @@ bool weights_were_fitted_between(const VehicleConfig& before, const VehicleConfi
 /// it did is judged by chi^2 of two degrees of freedom at 99 %, with both drives' covariances and kFitting of
 /// the weights for their place and mass; then whether it changed not at all, as if the angle had been counted
 /// the wrong way round, or as if they had been fitted at the heavy spot.
-std::array<WheelVerification, kWheels> verify_weights(const BalancedDrive& before,
-                                                      const BalancedDrive& after);
+std::array<WeightCheck, kWheels> check_weights(const BalancedDrive& before, const BalancedDrive& after);
 inline constexpr double kFitting =
     0.05;  ///< share of a weight by which it is elsewhere or lighter than stated
 
 /// While the drive before is read: nothing is known.
 /// @param now  of the drive after, for which this stands
-std::array<WheelVerification, kWheels> reading_before(const std::string& name,
-                                                      const std::array<Balance, kWheels>& now);
+std::array<WeightCheck, kWheels> reading_before(const std::string& name,
+                                                const std::array<Balance, kWheels>& now);
 
 }  // namespace roadbalance
