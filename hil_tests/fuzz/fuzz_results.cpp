@@ -7,7 +7,7 @@
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
 #include "common/bus/tap.hpp"
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/bus/weight_check.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
 #include "hil_tests/fuzz/shown.hpp"
@@ -79,7 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<OrderReport>(bytes, decode_orders);
   fuzz::check_message<Compensation>(bytes, decode_compensation);
   fuzz::check_message<View>(bytes, decode_view);
-  fuzz::check_message<TransferPart>(bytes, decode_transfer);
+  fuzz::check_message<TransferFunctionPart>(bytes, decode_transfer_function);
   fuzz::check_message<Envelope>(bytes, decode_envelope);
   fuzz::check_message<WaterfallRow>(bytes, decode_waterfall);
   fuzz::check_message<Remark>(bytes, decode_remark);

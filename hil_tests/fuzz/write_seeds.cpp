@@ -19,7 +19,7 @@
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/bus/weight_check.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/process/temporary_folder.hpp"
@@ -152,7 +152,7 @@ void write_messages() {
   write("results", "orders", encode(OrderReport{.wheel = 2, .node = 1, .seconds = 60}));
   write("results", "view", encode(View{.viewer = 1, .pair = {{{1, 2}, {2, 3}}}}));
   write("results", "transfer",
-        encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
+        encode(TransferFunctionPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
   write("results", "envelope", encode(Envelope{.node = 1, .channel = 2, .bucket = {{-1.0F, 2.0F}}}));
   write("results", "waterfall",
         encode(WaterfallRow{.of = {2, {1, 1}}, .blocks = 3, .amplitude = {0.5F, 2.0F}}));

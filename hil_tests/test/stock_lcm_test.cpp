@@ -24,7 +24,7 @@
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
 #include "common/bus/tap.hpp"
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/bus/weight_check.hpp"
 #include "common/record/record_writer.hpp"
 #include "common/test/bus_url.hpp"
@@ -192,7 +192,8 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("recorder_t", encode(RecorderStatus{.segment = 2}));
     append("orders_t", encode(OrderReport{.wheel = 2, .node = 4}));
     append("view_t", encode(View{.viewer = 1, .pair = {{{4, 2}, {4, 3}}}}));
-    append("transfer_t", encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
+    append("transfer_t",
+           encode(TransferFunctionPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
     append("envelope_t", encode(Envelope{.node = 4, .channel = 2, .bucket = {{-1.0F, 2.0F}}}));
     append("waterfall_t", encode(WaterfallRow{.of = {2, {4, 1}}, .blocks = 3, .amplitude = {0.5F, 2.0F}}));
     append("request_t", encode(Request{.asker = 1, .request = 2, .node = 4, .text = "bridge"}));

@@ -20,7 +20,7 @@
 #include "host/analyser/sample_beat.hpp"
 #include "host/analyser/spectrum_view.hpp"
 #include "host/analyser/tap_meter.hpp"
-#include "host/analyser/transfer_view.hpp"
+#include "host/analyser/transfer_function_view.hpp"
 #include "host/analyser/waterfall_view.hpp"
 #include "host/analysis/spectra/channel_watch.hpp"
 #include "host/analysis/spectra/envelopes.hpp"
@@ -68,7 +68,7 @@ class LiveView {
            const std::function<void(const std::string&)>& warn, Out<Ack>& acks)
       : bus_(url, {.ahead_bytes = kAhead}),
         watch_(vehicle),
-        transfers_(vehicle),
+        transfer_functions_(vehicle),
         spectra_(vehicle),
         waterfalls_(vehicle),
         chosen_(vehicle, find, warn) {
@@ -116,7 +116,8 @@ class LiveView {
   }
 
   void publish_views(WallTime now) {
-    for (const TransferPart& part : transfers_.parts(now)) bus_.publish(kTransferChannel, encode(part));
+    for (const TransferFunctionPart& part : transfer_functions_.parts(now))
+      bus_.publish(kTransferFunctionChannel, encode(part));
     for (const SpectrumPart& part : spectra_.parts(now)) bus_.publish(kSpectrumChannel, encode(part));
   }
 
@@ -130,7 +131,7 @@ class LiveView {
 
   void add(const View& view) {
     const WallTime now = WallClock::now();
-    transfers_.take(view, now);
+    transfer_functions_.take(view, now);
     spectra_.take(view, now);
     waterfalls_.take(view, now);
     for (const ChannelId& channel : view.envelope)
@@ -138,7 +139,7 @@ class LiveView {
   }
 
   void add(const ClockFit& fit) {
-    transfers_.consume(fit);
+    transfer_functions_.consume(fit);
     spectra_.consume(fit);
     waterfalls_.consume(fit);
   }
@@ -165,7 +166,7 @@ class LiveView {
     if (const auto tap = node.taps.add(scans)) bus_.publish(kTapChannel, encode(*tap));
     if (block.header.sequence == 0) return;  // a preview skips
     node.envelopes.add(scans);
-    transfers_.consume(block);
+    transfer_functions_.consume(block);
     spectra_.consume(block);
     waterfalls_.consume(block);
   }
@@ -178,7 +179,7 @@ class LiveView {
   Bus bus_;
   std::map<std::int32_t, NodeView> nodes_;
   ChannelWatch watch_;
-  TransferView transfers_;
+  TransferFunctionView transfer_functions_;
   SpectrumView spectra_;
   WaterfallView waterfalls_;
   std::map<ChannelId, WallTime> watched_;  ///< envelopes that a viewer asks for, and when it did

@@ -17,7 +17,7 @@
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
 #include "common/bus/tap.hpp"
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/bus/weight_check.hpp"
 
 namespace roadbalance {
@@ -43,8 +43,8 @@ std::int64_t packed(std::initializer_list<std::int64_t> values) {
   return static_cast<std::int64_t>(key);
 }
 
-Key transfer_key(Bytes bytes) {
-  const auto part = decode_transfer(bytes);
+Key transfer_function_key(Bytes bytes) {
+  const auto part = decode_transfer_function(bytes);
   if (!part || part->viewer == 0) return std::nullopt;
   return packed({part->pair.input.node, part->pair.input.channel, part->pair.output.node,
                  part->pair.output.channel, part->part});
@@ -133,8 +133,8 @@ const std::array kPageMessages{
     PageMessage{kOrdersChannel, orders_key, false},
     PageMessage{kEnvelopeChannel, envelope_key, true},
     PageMessage{kWaterfallChannel, waterfall_key, true},
-    PageMessage{kTransferChannel, transfer_key, true,
-                [](Bytes bytes) { return decode_transfer(bytes)->viewer; }},
+    PageMessage{kTransferFunctionChannel, transfer_function_key, true,
+                [](Bytes bytes) { return decode_transfer_function(bytes)->viewer; }},
     PageMessage{kSpectrumChannel, spectrum_key, true,
                 [](Bytes bytes) { return decode_spectrum(bytes)->viewer; }},
 };

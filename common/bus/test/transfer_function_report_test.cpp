@@ -1,4 +1,4 @@
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ View view() {
           .waterfall = {{3, {2, 9}}}};
 }
 
-TEST(TransferReport, AViewComesBackAsItWasSent) {
+TEST(TransferFunctionReport, AViewComesBackAsItWasSent) {
   const auto bytes = encode(view());
   EXPECT_LT(bytes.size(), 1400U) << "one datagram";
   const auto got = decode_view(bytes);
@@ -41,7 +41,7 @@ TEST(TransferReport, AViewComesBackAsItWasSent) {
   EXPECT_EQ(got->waterfall, view().waterfall);
 }
 
-TEST(TransferReport, AViewThatCannotBeIsRefused) {
+TEST(TransferFunctionReport, AViewThatCannotBeIsRefused) {
   const auto refused = [](auto&& spoil) {
     View sent = view();
     spoil(sent);
@@ -64,36 +64,36 @@ TEST(TransferReport, AViewThatCannotBeIsRefused) {
   EXPECT_FALSE(decode_view(bytes));
 }
 
-TEST(TransferReport, APartComesBackAsItWasSent) {
-  TransferPart sent{
-      .viewer = 5,
-      .pair = {{1, 2}, {2, 4}},
-      .time_ns = 123,
-      .part = 2,
-      .parts = 3,
-      .first_hz = 48.0,
-      .step_hz = 0.5,
-      .enbw_hz = 0.75,
-      .independent_averages = 17.5,
-      .coherence_by_chance = 0.17,
-      .bin = std::vector<TransferPart::Bin>(kTransferBinsPerPart, {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F})};
+TEST(TransferFunctionReport, APartComesBackAsItWasSent) {
+  TransferFunctionPart sent{.viewer = 5,
+                            .pair = {{1, 2}, {2, 4}},
+                            .time_ns = 123,
+                            .part = 2,
+                            .parts = 3,
+                            .first_hz = 48.0,
+                            .step_hz = 0.5,
+                            .enbw_hz = 0.75,
+                            .independent_averages = 17.5,
+                            .coherence_by_chance = 0.17,
+                            .bin = std::vector<TransferFunctionPart::Bin>(
+                                kTransferFunctionBinsPerPart, {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F})};
   const auto bytes = encode(sent);
   EXPECT_LT(bytes.size(), 1400U) << "one datagram";
-  const auto got = decode_transfer(bytes);
+  const auto got = decode_transfer_function(bytes);
   ASSERT_TRUE(got);
   EXPECT_EQ(got->pair.output, (ChannelId{2, 4}));
   EXPECT_EQ(got->part, 2);
   EXPECT_EQ(got->first_hz, 48.0);
   EXPECT_EQ(got->coherence_by_chance, 0.17);
-  ASSERT_EQ(got->bin.size(), kTransferBinsPerPart);
+  ASSERT_EQ(got->bin.size(), kTransferFunctionBinsPerPart);
   EXPECT_EQ(got->bin[47].h1_im, 4.0F);
   EXPECT_EQ(got->bin[47].coherence, 0.5F);
-  sent.state = static_cast<TransferState>(5);
-  EXPECT_FALSE(decode_transfer(encode(sent))) << "there is no such state";
-  sent.state = TransferState::kNoCommonTime;
-  EXPECT_EQ(decode_transfer(encode(sent))->state, TransferState::kNoCommonTime);
+  sent.state = static_cast<SpectralState>(5);
+  EXPECT_FALSE(decode_transfer_function(encode(sent))) << "there is no such state";
+  sent.state = SpectralState::kNoCommonTime;
+  EXPECT_EQ(decode_transfer_function(encode(sent))->state, SpectralState::kNoCommonTime);
   sent.part = 3;
-  EXPECT_FALSE(decode_transfer(encode(sent))) << "there is no such part";
+  EXPECT_FALSE(decode_transfer_function(encode(sent))) << "there is no such part";
 }
 
 }  // namespace

@@ -8,15 +8,15 @@ import {pairKey} from "./plot_data";
 import {Figure, figures, type Curve, type Marker} from "./plot_figure";
 import {curvesTable} from "./plot_save";
 import {kReasons, orderChoice, orderMarkers, spectralCaption} from "./plot_spectrum";
-import {meanDelay_s, transferCurves, type Estimator, type TransferCurves} from "./transfer";
-import {TransferState, type Transfer} from "./wire";
+import {meanDelay_s, transferFunctionCurves, type Estimator, type TransferFunctionCurves} from "./transfer_function";
+import {SpectralState, type Transfer} from "./wire";
 
 const kEstimators: Readonly<Record<Estimator, string>> = {
   h1: "H1 (noise on the output)", h2: "H2 (noise on the input)", hv: "Hv (noise on both)"};
 const kTogether = "transfer";
 const xText = (x: number) => `${x.toFixed(2)} Hz`;
 
-export class TransferPlot implements Plot {
+export class TransferFunctionPlot implements Plot {
   readonly id = "transfer";
   readonly title = "Transfer";
   readonly isSpectral = true;
@@ -33,8 +33,8 @@ export class TransferPlot implements Plot {
                                        splits: [-180, -90, 0, 90, 180], together: kTogether, xText});
   private readonly coherence = new Figure({id: "transfer-coherence", label: "Coherence", xLabel: "Frequency, Hz", share: 0.33,
                                            range: [0, 1], together: kTogether, xText});
-  private reference: {readonly curves: TransferCurves; readonly name: string} | undefined;
-  private now: {readonly curves: TransferCurves; readonly name: string} | undefined;
+  private reference: {readonly curves: TransferFunctionCurves; readonly name: string} | undefined;
+  private now: {readonly curves: TransferFunctionCurves; readonly name: string} | undefined;
   /** Of what `now` was computed. */
   private from: readonly [readonly Transfer[], Estimator] | undefined;
 
@@ -60,16 +60,16 @@ export class TransferPlot implements Plot {
     this.input.offer(car, all, first);
     this.output.offer(car, all, second);
     const [input, output] = [this.input.value, this.output.value];
-    const parts = input && output ? car.plots.transfers.get(pairKey(input, output))?.whole ?? [] : [];
+    const parts = input && output ? car.plots.transferFunctions.get(pairKey(input, output))?.whole ?? [] : [];
     const [part] = parts;
-    if (!input || !output || !part || part.state !== TransferState.Computed) {
+    if (!input || !output || !part || part.state !== SpectralState.Computed) {
       this.now = undefined;
-      setText(this.caption, part ? kReasons[part.state as TransferState] ?? "Not known." : "The analyser has not answered yet.");
+      setText(this.caption, part ? kReasons[part.state as SpectralState] ?? "Not known." : "The analyser has not answered yet.");
     } else {
       const estimator = this.estimator.value;
       const isKnown = this.now && this.from?.[0] === parts && this.from[1] === estimator;
       this.from = [parts, estimator];
-      this.now = {curves: isKnown && this.now ? this.now.curves : transferCurves(parts, estimator),
+      this.now = {curves: isKnown && this.now ? this.now.curves : transferFunctionCurves(parts, estimator),
                   name: `${estimator.toUpperCase()} ${channelName(car, input)} → ${channelName(car, output)}`};
       const delay = meanDelay_s(parts);
       setText(this.caption, `${spectralCaption(spectral, part)}; worth ${figures(part.independent_averages)} independent blocks. ` +

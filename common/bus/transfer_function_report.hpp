@@ -10,7 +10,7 @@
 namespace roadbalance {
 
 inline constexpr const char* kViewChannel = "RB_VIEW";
-inline constexpr const char* kTransferChannel = "RB_TRANSFER";
+inline constexpr const char* kTransferFunctionChannel = "RB_TRANSFER";
 
 /// A channel as messages name it.
 struct ChannelId {
@@ -50,10 +50,10 @@ struct View {
   std::vector<WheelChannel> waterfall{};  ///< at most kMostViewWaterfalls
 };
 
-inline constexpr std::size_t kTransferBinsPerPart = 48;
+inline constexpr std::size_t kTransferFunctionBinsPerPart = 48;
 
 /// Why there is no transfer function, or no spectrum (yet).
-enum class TransferState : std::int32_t {
+enum class SpectralState : std::int32_t {
   kComputed = 0,
   kTooShort = 1,      ///< no segment is full yet
   kNoChannel = 2,     ///< the vehicle has no such channel in use
@@ -62,10 +62,10 @@ enum class TransferState : std::int32_t {
 };
 
 /// Part of a transfer function; fields as in common/wire/transfer_t.
-struct TransferPart {
+struct TransferFunctionPart {
   std::int64_t viewer = 0;
   ChannelPair pair{};
-  TransferState state = TransferState::kComputed;
+  SpectralState state = SpectralState::kComputed;
   std::int64_t time_ns = 0;
   std::int32_t part = 0, parts = 1;
   double first_hz = 0.0, step_hz = 0.0, enbw_hz = 0.0;
@@ -73,12 +73,12 @@ struct TransferPart {
   struct Bin {
     float input = 0.0F, output = 0.0F, h1_re = 0.0F, h1_im = 0.0F, radius_95 = 0.0F, coherence = 0.0F;
   };
-  std::vector<Bin> bin{};  ///< at most kTransferBinsPerPart
+  std::vector<Bin> bin{};  ///< at most kTransferFunctionBinsPerPart
 };
 
 std::vector<std::uint8_t> encode(const View& message);
-std::vector<std::uint8_t> encode(const TransferPart& message);
+std::vector<std::uint8_t> encode(const TransferFunctionPart& message);
 std::optional<View> decode_view(std::span<const std::uint8_t> bytes);
-std::optional<TransferPart> decode_transfer(std::span<const std::uint8_t> bytes);
+std::optional<TransferFunctionPart> decode_transfer_function(std::span<const std::uint8_t> bytes);
 
 }  // namespace roadbalance

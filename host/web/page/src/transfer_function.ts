@@ -5,7 +5,7 @@ import type {Transfer} from "./wire";
 /** H1 is right with noise on the output, H2 with noise on the input, Hv with as much on both. */
 export type Estimator = "h1" | "h2" | "hv";
 
-export interface TransferCurves {
+export interface TransferFunctionCurves {
   readonly hz: number[];
   readonly magnitude: number[];
   /** Where the magnitude is with 95 %; null: anywhere. */
@@ -28,7 +28,7 @@ const kFarBelow = 1e-6;
 /** |h2| = |h1| / coherence, |hv| = |h1| / sqrt(coherence): transfer_t. */
 const kPower: Readonly<Record<Estimator, number>> = {h1: 0, h2: 1, hv: 0.5};
 
-export function transferCurves(parts: readonly Transfer[], estimator: Estimator): TransferCurves {
+export function transferFunctionCurves(parts: readonly Transfer[], estimator: Estimator): TransferFunctionCurves {
   const coherence = joined(parts, (part) => part.coherence);
   const re = joined(parts, (part) => part.h1_re), im = joined(parts, (part) => part.h1_im);
   const radius = joined(parts, (part) => part.radius_95);

@@ -1,4 +1,4 @@
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 
 #include <wire/transfer_t.hpp>
 #include <wire/view_t.hpp>
@@ -44,7 +44,7 @@ struct Fields<View> {
 };
 
 template <>
-struct Fields<TransferPart> {
+struct Fields<TransferFunctionPart> {
   using Wire = wire::transfer_t;
   static void list(auto& field, auto& part, auto& m) {
     field(part.viewer, m.viewer);
@@ -52,7 +52,7 @@ struct Fields<TransferPart> {
     field(part.pair.input.channel, m.input_channel, below(kChannels));
     field(part.pair.output.node, m.output_node);
     field(part.pair.output.channel, m.output_channel, below(kChannels));
-    field(part.state, m.state, up_to(TransferState::kTooMuch));
+    field(part.state, m.state, up_to(SpectralState::kTooMuch));
     field(part.time_ns, m.time_ns);
     field(part.parts, m.parts);
     field(part.part, m.part, below(m.parts));
@@ -61,7 +61,7 @@ struct Fields<TransferPart> {
     field(part.enbw_hz, m.enbw_hz);
     field(part.independent_averages, m.independent_averages);
     field(part.coherence_by_chance, m.coherence_by_chance);
-    field.rows(part.bin, m.bins, kTransferBinsPerPart, [&](auto& bin, std::size_t k) {
+    field.rows(part.bin, m.bins, kTransferFunctionBinsPerPart, [&](auto& bin, std::size_t k) {
       field(bin.input, m.input[k]);
       field(bin.output, m.output[k]);
       field(bin.h1_re, m.h1_re[k]);
@@ -78,19 +78,19 @@ static_assert(sizeof(wire::view_t::input_node) / sizeof(std::int32_t) == kMostVi
 static_assert(sizeof(wire::view_t::spectrum_node) / sizeof(std::int32_t) == kMostViewChannels);
 static_assert(sizeof(wire::view_t::envelope_node) / sizeof(std::int32_t) == kMostViewChannels);
 static_assert(sizeof(wire::view_t::waterfall_node) / sizeof(std::int32_t) == kMostViewWaterfalls);
-static_assert(sizeof(wire::transfer_t::input) / sizeof(float) == kTransferBinsPerPart);
+static_assert(sizeof(wire::transfer_t::input) / sizeof(float) == kTransferFunctionBinsPerPart);
 
 std::vector<std::uint8_t> encode(const View& message) {
   return wire_fields::encode(message);
 }
-std::vector<std::uint8_t> encode(const TransferPart& message) {
+std::vector<std::uint8_t> encode(const TransferFunctionPart& message) {
   return wire_fields::encode(message);
 }
 std::optional<View> decode_view(std::span<const std::uint8_t> bytes) {
   return wire_fields::decode<View>(bytes);
 }
-std::optional<TransferPart> decode_transfer(std::span<const std::uint8_t> bytes) {
-  return wire_fields::decode<TransferPart>(bytes);
+std::optional<TransferFunctionPart> decode_transfer_function(std::span<const std::uint8_t> bytes) {
+  return wire_fields::decode<TransferFunctionPart>(bytes);
 }
 
 }  // namespace roadbalance

@@ -1,4 +1,4 @@
-#include "host/analyser/transfer_view.hpp"
+#include "host/analyser/transfer_function_view.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -17,23 +17,23 @@ bool same(const View& a, const View& b) {
 }
 
 /// Parts of one pair.
-void add_bins(const TransferPart& about, double highest_hz, const CrossSpectra& spectra, int input,
-              int output, std::vector<TransferPart>& parts) {
-  const ShownBins bins(spectra, highest_hz, TransferView::kMostShown);
+void add_bins(const TransferFunctionPart& about, double highest_hz, const CrossSpectra& spectra, int input,
+              int output, std::vector<TransferFunctionPart>& parts) {
+  const ShownBins bins(spectra, highest_hz, TransferFunctionView::kMostShown);
   const auto in = bins.of(spectra.density(input)), out = bins.of(spectra.density(output));
   const double averages = spectra.independent_averages() * bins.worth();
   const TransferFunction h = transfer_function(in, out, bins.of(spectra.density(input, output)), averages);
-  const std::size_t count = (h.h1.size() + kTransferBinsPerPart - 1) / kTransferBinsPerPart;
-  for (std::size_t first = 0; first < h.h1.size(); first += kTransferBinsPerPart) {
-    TransferPart& part = parts.emplace_back(about);
-    part.part = static_cast<std::int32_t>(first / kTransferBinsPerPart);
+  const std::size_t count = (h.h1.size() + kTransferFunctionBinsPerPart - 1) / kTransferFunctionBinsPerPart;
+  for (std::size_t first = 0; first < h.h1.size(); first += kTransferFunctionBinsPerPart) {
+    TransferFunctionPart& part = parts.emplace_back(about);
+    part.part = static_cast<std::int32_t>(first / kTransferFunctionBinsPerPart);
     part.parts = static_cast<std::int32_t>(count);
     part.step_hz = bins.step_hz();
     part.enbw_hz = bins.enbw_hz();
     part.independent_averages = averages;
     part.coherence_by_chance = h.coherence_by_chance;
     part.first_hz = bins.hz(first);
-    for (std::size_t k = first; k < std::min(h.h1.size(), first + kTransferBinsPerPart); ++k)
+    for (std::size_t k = first; k < std::min(h.h1.size(), first + kTransferFunctionBinsPerPart); ++k)
       part.bin.push_back({static_cast<float>(in[k]), static_cast<float>(out[k]),
                           static_cast<float>(h.h1[k].real()), static_cast<float>(h.h1[k].imag()),
                           static_cast<float>(h.radius_95[k]), static_cast<float>(h.coherence[k])});
@@ -43,7 +43,7 @@ void add_bins(const TransferPart& about, double highest_hz, const CrossSpectra& 
 }  // namespace
 
 /// The channels of its pairs that there are, each once, in order.
-TransferView::Kind TransferView::kind_of(const View& view) const {
+TransferFunctionView::Kind TransferFunctionView::kind_of(const View& view) const {
   std::vector<ChannelId> channels;
   for (const ChannelPair& pair : view.pair)
     if (pool_.has(pair.input) && pool_.has(pair.output)) {
@@ -55,7 +55,7 @@ TransferView::Kind TransferView::kind_of(const View& view) const {
   return {channels, view.segment, view.window, view.memory, false, view.overlap};
 }
 
-void TransferView::take(const View& view, WallTime now) {
+void TransferFunctionView::take(const View& view, WallTime now) {
   forget(now);
   const auto known = viewers_.find(view.viewer);
   if (known == viewers_.end() && viewers_.size() >= kMostViewers) return;
@@ -63,7 +63,7 @@ void TransferView::take(const View& view, WallTime now) {
   Viewer& viewer = viewers_[view.viewer];
   viewer.heard = now;
   if (known != viewers_.end() && viewer.kind == kind && same(viewer.view, view)) {
-    if (viewer.state == TransferState::kTooMuch) viewer.state = pool_.begin(kind);  // others may have left
+    if (viewer.state == SpectralState::kTooMuch) viewer.state = pool_.begin(kind);  // others may have left
     return;
   }
   viewer.view = view;
@@ -73,20 +73,20 @@ void TransferView::take(const View& view, WallTime now) {
   viewer.state = pool_.begin(kind);
 }
 
-void TransferView::forget(WallTime now) {
+void TransferFunctionView::forget(WallTime now) {
   std::erase_if(viewers_, [&](const auto& viewer) { return now - viewer.second.heard > kForgotten; });
   pool_.keep_only([&](const Kind& kind) {
     return std::ranges::any_of(viewers_, [&](const auto& viewer) { return viewer.second.kind == kind; });
   });
 }
 
-std::vector<TransferPart> TransferView::parts(WallTime now) {
+std::vector<TransferFunctionPart> TransferFunctionView::parts(WallTime now) {
   forget(now);
-  std::vector<TransferPart> parts;
+  std::vector<TransferFunctionPart> parts;
   for (auto& [id, viewer] : viewers_) {
     if (viewer.view.pair.empty()) continue;
     const JointSpectra* const joint = pool_.find(viewer.kind);
-    const TransferState state = joint ? state_of(*joint) : viewer.state;
+    const SpectralState state = joint ? state_of(*joint) : viewer.state;
     const int averages = joint ? joint->spectra().averages() : 0;
     const int news = averages > 0 ? averages : -1 - static_cast<int>(state);
     if (std::exchange(viewer.sent, news) != news) add_pairs(viewer, state, joint, parts);
@@ -94,8 +94,8 @@ std::vector<TransferPart> TransferView::parts(WallTime now) {
   return parts;
 }
 
-void TransferView::add_pairs(const Viewer& viewer, TransferState state, const JointSpectra* joint,
-                             std::vector<TransferPart>& parts) const {
+void TransferFunctionView::add_pairs(const Viewer& viewer, SpectralState state, const JointSpectra* joint,
+                                     std::vector<TransferFunctionPart>& parts) const {
   const auto& channels = viewer.kind.channel;
   const auto index_of = [&](const ChannelId& id) {
     const auto found = std::ranges::lower_bound(channels, id);
@@ -103,9 +103,9 @@ void TransferView::add_pairs(const Viewer& viewer, TransferState state, const Jo
   };
   for (const ChannelPair& pair : viewer.view.pair) {
     const int input = index_of(pair.input), output = index_of(pair.output);
-    TransferPart about{.viewer = viewer.view.viewer, .pair = pair, .state = state};
-    if (input < 0 || output < 0) about.state = TransferState::kNoChannel;
-    if (about.state != TransferState::kComputed || !joint) {
+    TransferFunctionPart about{.viewer = viewer.view.viewer, .pair = pair, .state = state};
+    if (input < 0 || output < 0) about.state = SpectralState::kNoChannel;
+    if (about.state != SpectralState::kComputed || !joint) {
       parts.push_back(about);
       continue;
     }
