@@ -46,7 +46,7 @@ class CounterEncoder {
   /// Times that the count did not go on where it was: messages stayed away for too long, the unit began anew,
   /// or the marks show that it lost counts.
   std::int64_t breaks() const noexcept {
-    return unwrap_.tally().ambiguous + unwrap_.tally().implausible + angle_.moved();
+    return unwrap_.counters().ambiguous + unwrap_.counters().implausible + angle_.moved();
   }
   /// Marks that lay elsewhere than those before them.
   std::int64_t marks_elsewhere() const noexcept { return angle_.elsewhere(); }

@@ -8,7 +8,7 @@
 namespace roadbalance {
 namespace {
 
-constexpr std::size_t kKnown = 16;
+constexpr std::size_t kMostAnswered = 16;
 
 }  // namespace
 
@@ -49,9 +49,9 @@ std::optional<VehicleChange::Outcome> VehicleChange::ask(const Command& command)
 }
 
 std::optional<VehicleChange::Outcome> VehicleChange::outcome(std::int64_t request) const {
-  const auto known = std::ranges::find(known_, request, &Known::request);
-  if (known == known_.end()) return std::nullopt;
-  return known->outcome;
+  const auto answered = std::ranges::find(answered_, request, &AnsweredRequest::request);
+  if (answered == answered_.end()) return std::nullopt;
+  return answered->outcome;
 }
 
 void VehicleChange::made() {
@@ -65,8 +65,8 @@ void VehicleChange::refused(const std::string& why) {
 }
 
 void VehicleChange::finish(Outcome outcome) {
-  known_.push_back({wanted_->request, std::move(outcome)});
-  if (known_.size() > kKnown) known_.pop_front();
+  answered_.push_back({wanted_->request, std::move(outcome)});
+  if (answered_.size() > kMostAnswered) answered_.pop_front();
   wanted_.reset();
   part_.clear();
   arriving_ = 0;

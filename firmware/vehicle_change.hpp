@@ -46,7 +46,7 @@ class VehicleChange {
     std::int64_t request = 0;
     std::string text;
   };
-  struct Known {
+  struct AnsweredRequest {
     std::int64_t request = 0;
     Outcome outcome;
   };
@@ -59,7 +59,7 @@ class VehicleChange {
   std::uint32_t arriving_ = 0;  // CRC of the text whose parts these are
   std::vector<std::string> part_;
   std::optional<Wanted> wanted_;
-  std::deque<Known> known_;  // the latest, to repeat
+  std::deque<AnsweredRequest> answered_;  // the latest, to repeat their outcomes
 };
 
 }  // namespace roadbalance

@@ -35,7 +35,7 @@ RateBounds CounterUnwrap::possible(double elapsed_s, std::optional<RateBounds> k
 CounterUnwrap::Outcome CounterUnwrap::take(std::int64_t time_ns, std::int64_t code, bool valid,
                                            std::optional<RateBounds> known) noexcept {
   if (!valid || code == form_.invalid_code || code < 0 || code >= form_.modulus) {
-    ++tally_.invalid;
+    ++counters_.invalid;
     return Outcome::kInvalid;
   }
   if (run_ == 0) {
@@ -43,7 +43,7 @@ CounterUnwrap::Outcome CounterUnwrap::take(std::int64_t time_ns, std::int64_t co
     return Outcome::kFirst;
   }
   if (time_ns <= time_ns_) {
-    ++tally_.out_of_order;
+    ++counters_.out_of_order;
     return Outcome::kOutOfOrder;
   }
   const double elapsed_s = 1e-9 * static_cast<double>(time_ns - time_ns_);
@@ -59,13 +59,13 @@ CounterUnwrap::Outcome CounterUnwrap::take(std::int64_t time_ns, std::int64_t co
   const auto last = std::floor((most - static_cast<double>(moved)) / modulus);
   if (!(first == last)) {
     const bool none = !(first <= last);
-    ++(none ? tally_.implausible : tally_.ambiguous);
+    ++(none ? counters_.implausible : counters_.ambiguous);
     begin_run(time_ns, code);
     return none ? Outcome::kImplausible : Outcome::kAmbiguous;
   }
   const std::int64_t counts = moved + static_cast<std::int64_t>(first) * form_.modulus;
-  tally_.wraps += (code_ + counts) / form_.modulus;
-  ++tally_.joined;
+  counters_.wraps += (code_ + counts) / form_.modulus;
+  ++counters_.joined;
   count_ += counts;
   const double mean_hz = static_cast<double>(counts) / elapsed_s;
   const double doubt_hz =

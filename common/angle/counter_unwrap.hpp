@@ -45,7 +45,7 @@ class CounterUnwrap {
 
   std::int64_t count() const noexcept { return count_; }  ///< since the run began
   std::int64_t run() const noexcept { return run_; }      ///< 0: none yet
-  const Counters& tally() const noexcept { return tally_; }
+  const Counters& counters() const noexcept { return counters_; }
 
  private:
   RateBounds possible(double elapsed_s, std::optional<RateBounds> known) const noexcept;
@@ -54,7 +54,7 @@ class CounterUnwrap {
   CounterForm form_;
   std::int64_t time_ns_ = 0, code_ = 0, count_ = 0, run_ = 0;
   std::optional<RateBounds> before_;  ///< over the interval before
-  Counters tally_;
+  Counters counters_;
 };
 
 }  // namespace roadbalance

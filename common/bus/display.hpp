@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 
 namespace roadbalance {
 

@@ -101,7 +101,7 @@ enum class NoteKind : std::int32_t {
   kImported = 20,
   kAlarmBegan = 21,   ///< (AlarmCause; place_number() of common/bus/alarm.hpp); text: how much
   kAlarmEnded = 22,   ///< the same, once it is over; text: how long it lasted
-  kSubsetEpoch = 23,  ///< of an excerpt: an epoch of it (a) is made of one of the original (b)
+  kSubsetEpoch = 23,  ///< of a subset: an epoch of it (a) is made of one of the original (b)
   kNodeMissing =
       24,  ///< a node (a) does not measure though the recording goes on (AbsenceCause); text: its name
   kNodeThere = 25,  ///< it measures (again); b: 1 if samples lack because of that, 0 if it only was not heard

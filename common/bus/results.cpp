@@ -35,7 +35,7 @@ struct Fields<SpectrumPart> {
     field(s.viewer, m.viewer);
     field(s.node, m.node, is_node);
     field(s.channel, m.channel, below(kChannels));
-    field(s.state, m.state, up_to(TransferState::kTooMuch));
+    field(s.state, m.state, up_to(SpectralState::kTooMuch));
     field(s.time_ns, m.time_ns);
     field(s.parts, m.parts, at_least(1));
     field(s.part, m.part, below(m.parts));

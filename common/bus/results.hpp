@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/config/vehicle_config.hpp"
 
 namespace roadbalance {
@@ -32,7 +32,7 @@ struct SpectrumPart {
   std::int64_t viewer = 0;  ///< of the View that asked; 0: for everybody
   std::int32_t node = 0;
   std::int32_t channel = 0;
-  TransferState state = TransferState::kComputed;  ///< why it has no bins (yet)
+  SpectralState state = SpectralState::kComputed;  ///< why it has no bins (yet)
   std::int64_t time_ns = 0;
   std::int32_t part = 0;
   std::int32_t parts = 1;

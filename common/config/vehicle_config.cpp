@@ -158,8 +158,8 @@ ModelConfig parse_model(Section model) {
   m.body_mass_kg = model.number("body_mass_kg", kPositive);
   m.roll_inertia_kg_m2 = model.number("roll_inertia_kg_m2", kPositive);
   m.pitch_inertia_kg_m2 = model.number("pitch_inertia_kg_m2", kPositive);
-  const auto sigma = [&](const char* key, double value, double doubt) {
-    return model.number_or(key, {0, value}, doubt * value);
+  const auto sigma = [&](const char* key, double value, double share) {
+    return model.number_or(key, {0, value}, share * value);
   };
   m.body_mass_sigma_kg = sigma("body_mass_sigma_kg", m.body_mass_kg, kBodyMassSigma);
   m.roll_inertia_sigma_kg_m2 = sigma("roll_inertia_sigma_kg_m2", m.roll_inertia_kg_m2, kInertiaSigma);

@@ -15,8 +15,8 @@
 #include "common/bus/codec.hpp"
 #include "common/test/no_allocation.hpp"
 #include "firmware/acquire.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/ring_sink.hpp"
-#include "firmware/seal_all.hpp"
 #include "firmware/test/butterworth.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
@@ -93,7 +93,7 @@ class CounterEncoderInNode : public testing::Test {
     const auto device = bus_and_line();
     Judged judged;
     int rows = 0;
-    seal_all(*device, vehicle_, vehicle_.node[0], 1, [&](const SealedBlock& sealed) {
+    pack_epoch(*device, vehicle_, vehicle_.node[0], 1, [&](const SealedBlock& sealed) {
       if (sealed.kind != BlockKind::kScan) return;
       const ScanBlock block = decode_scan(sealed);
       const double start = 1e-9 * static_cast<double>(block.header.time_ns);

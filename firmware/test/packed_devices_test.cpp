@@ -50,7 +50,7 @@ TEST(BlockPacker, RecordsEverySignalAsItCameAndSoon) {
   test::ScriptedFrontEnd device(test::marked_scans(0, 3000, kRate_hz), turning(1.5));
   device.signals = speeds(1.5);
   std::vector<SealedBlock> blocks;
-  seal_all(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) { blocks.push_back(b); });
+  pack_epoch(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) { blocks.push_back(b); });
   check_epoch(blocks, 3000);
   const auto recorded = recorded_signals(blocks);
   ASSERT_EQ(recorded.size(), device.signals.size());
@@ -139,7 +139,7 @@ TEST(BlockPacker, TakesTheReferencesOfALoopBackAsTheyWereConverted) {
         scan.references[static_cast<std::size_t>(c)] = -static_cast<std::int32_t>(4 * scan.index + c) - 1;
     test::ScriptedFrontEnd device(scans, turning(0.5));
     std::int64_t converted = 0, sealed = 0, known = 0;
-    seal_all(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) {
+    pack_epoch(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) {
       if (b.kind != BlockKind::kScan) return;
       const ScanBlock block = decode_scan(b);
       known += (block.quality & (kQualityNoReference0 | kQualityNoReference1)) == 0 ? 1 : 0;

@@ -97,7 +97,7 @@ TEST(ReadoutClock, BeginsAnewWhenTheClockJumps) {
                 400e-6);
 }
 
-/// Callbacks out what it was given, as read.
+/// Hands out what it was given, as read.
 class Late final : public FrontEnd {
  public:
   Late(std::vector<Scan> scans, ScanStamps stamps) : scans_(std::move(scans)), stamps_(stamps) {}

@@ -9,7 +9,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/types/crc32c.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
 #include "sim/pulse_train.hpp"
@@ -38,7 +38,7 @@ inline std::vector<SealedBlock> blocks_of(std::vector<Scan> scans, std::vector<E
   const auto vehicle = one_node_vehicle(kRate_hz);
   ScriptedFrontEnd device(std::move(scans), std::move(edges), run);
   std::vector<SealedBlock> blocks;
-  seal_all(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) { blocks.push_back(b); });
+  pack_epoch(device, vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& b) { blocks.push_back(b); });
   return blocks;
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/bus/codec.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/test/butterworth.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
@@ -96,8 +96,8 @@ class Steering : public testing::Test {
       if (t < silent_from_s || t >= silent_to_s) device.signals.push_back({time, 1, steering_rad(t)});
     }
     std::vector<SealedBlock> blocks;
-    seal_all(device, vehicle_, vehicle_.node[0], 1,
-             [&](const SealedBlock& block) { blocks.push_back(block); });
+    pack_epoch(device, vehicle_, vehicle_.node[0], 1,
+               [&](const SealedBlock& block) { blocks.push_back(block); });
     return blocks;
   }
 };

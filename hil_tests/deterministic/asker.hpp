@@ -20,8 +20,8 @@ class Asker {
     std::int64_t at_ns = 0;
     int unsure_deaths = 0;           ///< of the recorder, until then
     std::optional<Answer> answer{};  ///< the last word
-    bool is_unsure = false;          ///< before it a recorder died with a book that its disk had not taken
-    std::string under_way{};         ///< the text of the answer before it
+    bool is_unsure = false;   ///< before it a recorder died with a session state that its disk had not taken
+    std::string under_way{};  ///< the text of the answer before it
   };
 
   Asker(std::int64_t number, std::uint64_t seed, Truth& truth)
@@ -29,7 +29,7 @@ class Asker {
 
   /// Its request now; nothing: it waits.
   /// @param drive_is_over  it asks for nothing new but a stop, if that is wanted
-  /// @param unsure_deaths  how often the recorder has died until now with a book that its disk had not taken
+  /// @param unsure_deaths  of the recorder until now, with a session state that its disk had not taken
   std::optional<Request> turn(std::int64_t now_ns, bool drive_is_over, bool wants_stop, int unsure_deaths);
   void take(const Answer& answer, int unsure_deaths);
 

@@ -129,7 +129,7 @@ bool HostMachine::is_called_complete() {
 
 void HostMachine::kill() {
   died_ = false;
-  if (book_may_be_old()) ++unsure_deaths_;
+  if (state_may_be_old()) ++unsure_deaths_;
   disk_.kill();
   clock_events_.died();
   program_.reset();
@@ -137,8 +137,8 @@ void HostMachine::kill() {
   calls_to_live_ = 0;
 }
 
-// Its disk has refused something within the time after which the book is written again.
-bool HostMachine::book_may_be_old() const {
+// Its disk has refused something within the time after which the session state is written again.
+bool HostMachine::state_may_be_old() const {
   constexpr std::int64_t kWrittenAgain_ns = 1'500'000'000;
   return full_ || now_ns_ - refused_at_ns_ < kWrittenAgain_ns;
 }
@@ -158,7 +158,7 @@ void HostMachine::die_at_call(bool power, int calls, bool only_syncs) {
 void HostMachine::take(std::string_view channel, std::span<const std::uint8_t> bytes, std::int64_t now_ns) {
   now_ns_ = now_ns;
   if (program_) program_->link.take(channel, bytes, wall(now_ns));
-  for (Led* led : led_) led->take(channel, bytes, now_ns);
+  for (SteppedSession* session : sessions_) session->take(channel, bytes, now_ns);
   if (operating_) operating_->take(channel, bytes, {.now = wall(now_ns), .utc_us = utc_us(now_ns)});
 }
 
@@ -420,15 +420,15 @@ void HostMachine::check_through(const char* folder, int last) {
 
 namespace {
 
-/// The book as it lies on the disk; read by other means than the product's.
-nlohmann::json book_on(const SimulatedDisk& disk) {
+/// The session state as it lies on the disk; read by other means than the product's.
+nlohmann::json session_state_on(const SimulatedDisk& disk) {
   const auto bytes = disk.content(std::string(HostMachine::kRecordings) + "/recorder.json");
   return nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
 }
 
 }  // namespace
 
-HostMachine::Led::Led(HostMachine& host, const RecorderOptions& options)
+HostMachine::SteppedSession::SteppedSession(HostMachine& host, const RecorderOptions& options)
     : host_(host), recording_(options.folder.filename().string()) {
   RecorderLinkOptions link;
   link.start = options.start;
@@ -449,14 +449,14 @@ HostMachine::Led::Led(HostMachine& host, const RecorderOptions& options)
   } catch (const std::system_error& error) {
     error_ = error.what();
   }
-  host.led_.push_back(this);
+  host.sessions_.push_back(this);
 }
 
-HostMachine::Led::~Led() {
-  std::erase(host_.led_, this);
+HostMachine::SteppedSession::~SteppedSession() {
+  std::erase(host_.sessions_, this);
 }
 
-Session::View HostMachine::Led::view() const {
+Session::View HostMachine::SteppedSession::view() const {
   View view{.report = program_ ? program_->link.report() : report_,
             .status = status_,
             .is_over = !program_,
@@ -469,12 +469,12 @@ Session::View HostMachine::Led::view() const {
   return view;
 }
 
-void HostMachine::Led::take(std::string_view channel, std::span<const std::uint8_t> bytes,
-                            std::int64_t now_ns) {
+void HostMachine::SteppedSession::take(std::string_view channel, std::span<const std::uint8_t> bytes,
+                                       std::int64_t now_ns) {
   if (program_) program_->link.take(channel, bytes, wall(now_ns));
 }
 
-void HostMachine::Led::fail(const std::string& why) {
+void HostMachine::SteppedSession::fail(const std::string& why) {
   if (has_run_) status_ = view().status;
   report_ = program_->link.report();
   report_.absence = program_->link.absences(wall(host_.now_ns_), host_.utc_us(host_.now_ns_));
@@ -484,7 +484,7 @@ void HostMachine::Led::fail(const std::string& why) {
   if (host_.failing_ > 0) host_.may_be_torn_.insert(recording_);
 }
 
-void HostMachine::Led::turn(std::int64_t now_ns, const Publish& publish) {
+void HostMachine::SteppedSession::turn(std::int64_t now_ns, const Publish& publish) {
   if (!program_) return;
   has_run_ = true;
   Program& p = *program_;
@@ -514,42 +514,42 @@ bool HostMachine::boot_operating(std::int64_t now_ns) {
   }
   now_ns_ = now_ns;
   durable_.clear();
-  led_.clear();
+  sessions_.clear();
   operating_ = std::make_unique<Operating>(
       operate_,
       Operating::World{.disk = disk_,
-                       .begin = [this](const RecorderOptions& options) { return lead(options); },
+                       .begin = [this](const RecorderOptions& options) { return begin_session(options); },
                        .seed = random_.bits()},
       Operating::Time{.now = wall(now_ns), .utc_us = utc_us(now_ns)});
   ++boots_;
   return true;
 }
 
-std::unique_ptr<Session> HostMachine::lead(const RecorderOptions& options) {
+std::unique_ptr<Session> HostMachine::begin_session(const RecorderOptions& options) {
   check_begun(options);
-  return std::make_unique<Led>(*this, options);
+  return std::make_unique<SteppedSession>(*this, options);
 }
 
-// A recording that begins was in the book before, for one request only.
+// A recording that begins was in the session state before, for one request only.
 void HostMachine::check_begun(const RecorderOptions& options) {
   if (died_) return;
   const std::string name = options.folder.filename().string();
-  const nlohmann::json book = book_on(disk_);
-  // A book that could not be written leaves it as being stopped: whoever reads it then does that again.
+  const nlohmann::json state = session_state_on(disk_);
+  // If it could not be written, the session state has it as being stopped: whoever reads it does that again.
   const auto is_owed = [&] {
-    if (book_may_be_old()) return true;
-    if (book.contains("under_way") && book["under_way"]["name"] == name) return true;
-    for (const auto& rest : book.value("rest", nlohmann::json::array()))
+    if (state_may_be_old()) return true;
+    if (state.contains("under_way") && state["under_way"]["name"] == name) return true;
+    for (const auto& rest : state.value("rest", nlohmann::json::array()))
       if (rest.at(0) == name) return true;
     return false;
   };
   if (!options.start) {
-    if (!is_owed()) truth_.fault("the rest of \"" + name + "\" is fetched, and no book says so");
+    if (!is_owed()) truth_.fault("the rest of \"" + name + "\" is fetched, and no session state has it");
     return;
   }
-  if (!book.contains("under_way") || book["under_way"]["name"] != name)
-    return truth_.fault("\"" + name + "\" is begun before the book says so");
-  const auto& start = book["under_way"]["start"];
+  if (!state.contains("under_way") || state["under_way"]["name"] != name)
+    return truth_.fault("\"" + name + "\" is begun before the session state has it");
+  const auto& start = state["under_way"]["start"];
   const std::pair<std::int64_t, std::int64_t> asked{start.at(0), start.at(1)};
   const auto [known, is_new] = begun_by_.try_emplace(name, asked);
   if (known->second != asked) truth_.fault("\"" + name + "\" is begun for two requests");
@@ -563,15 +563,15 @@ void HostMachine::turn_operating(std::int64_t now_ns, const Publish& publish) {
   now_ns_ = now_ns;
   const Publish say_it = [&](const std::string& channel, std::span<const std::uint8_t> bytes) {
     if (const auto command = decode_command(bytes); command && command->verb == Verb::kConfigure && !died_) {
-      const nlohmann::json book = book_on(disk_);
-      if (!book.contains("set_up") || book["set_up"]["state"] != static_cast<int>(AnswerState::kUnderWay))
-        truth_.fault("nodes are set up before the book says so");
+      const nlohmann::json state = session_state_on(disk_);
+      if (!state.contains("set_up") || state["set_up"]["state"] != static_cast<int>(AnswerState::kUnderWay))
+        truth_.fault("nodes are set up before the session state has it");
     }
     if (const auto answer = channel == kAnswerChannel ? decode_answer(bytes) : std::nullopt; answer && !died_)
       watch(*answer);
     return died_ || publish(channel, bytes);
   };
-  for (Led* led : std::vector<Led*>(led_)) led->turn(now_ns, publish);
+  for (SteppedSession* session : std::vector<SteppedSession*>(sessions_)) session->turn(now_ns, publish);
   try {
     if (!died_) (void)operating_->turn(false, {.now = wall(now_ns), .utc_us = utc_us(now_ns)}, say_it);
   } catch (const std::system_error& error) {
@@ -598,8 +598,8 @@ void HostMachine::watch(const Answer& answer) {
     before = now;  // sent by this recorder, too
     return;
   }
-  // Requests that are done are in the book, which a failing disk may not have taken.  A refusal is not: the
-  // next recorder may obey an asker that has not heard it and asks again.
+  // Requests that are done are in the session state, which a failing disk may not have taken.  A refusal is
+  // not: the next recorder may obey an asker that has not heard it and asks again.
   if (before.unsure_deaths == unsure_deaths_ && (was_done || before.boots == boots_))
     truth_.fault("request " + std::to_string(answer.request) + " of asker " + std::to_string(answer.asker) +
                  (was_done ? " is refused after it was done: " : " is done after it was refused: ") +

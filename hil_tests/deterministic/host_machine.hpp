@@ -105,8 +105,8 @@ class HostMachine {
 
  private:
   struct Program;
-  class Led;
-  friend class Led;
+  class SteppedSession;
+  friend class SteppedSession;
   bool say(Program& p, const std::string& channel, std::span<const std::uint8_t> bytes,
            const Publish& publish);
   void watch(Program& p, const Ack& ack);
@@ -118,8 +118,8 @@ class HostMachine {
   bool end(Program& p, std::int64_t now_ns, const Publish& publish);
   bool boot_operating(std::int64_t now_ns);
   void turn_operating(std::int64_t now_ns, const Publish& publish);
-  std::unique_ptr<Session> lead(const RecorderOptions& options);
-  bool book_may_be_old() const;
+  std::unique_ptr<Session> begin_session(const RecorderOptions& options);
+  bool state_may_be_old() const;
   bool disk_may_fail() const;
   void check_begun(const RecorderOptions& options);
   void watch(const Answer& answer);
@@ -142,7 +142,7 @@ class HostMachine {
   ClockEvents clock_events_;
   std::unique_ptr<Program> program_;
   OperateOptions operate_;
-  std::vector<Led*> led_;  // sessions of operating_
+  std::vector<SteppedSession*> sessions_;  // sessions of operating_
   std::unique_ptr<Operating> operating_;
   std::int64_t now_ns_ = 0;
   std::int64_t began_ns_ = 0;

@@ -32,12 +32,11 @@ struct HostMachine::Program {
   std::map<std::pair<std::int32_t, std::int64_t>, Ack> last_ack;
 };
 
-/// A session that the desk leads: what RecordingSession is in the product, turn by turn instead of in a
-/// thread.
-class HostMachine::Led final : public Session {
+/// A session of the session controller: as RecordingSession, but turn by turn instead of in a thread.
+class HostMachine::SteppedSession final : public Session {
  public:
-  Led(HostMachine& host, const RecorderOptions& options);
-  ~Led() override;
+  SteppedSession(HostMachine& host, const RecorderOptions& options);
+  ~SteppedSession() override;
 
   void stop(const std::string&) override { stopping_ = true; }
   void note(NoteToRecord note) override { notes_.push_back(std::move(note)); }

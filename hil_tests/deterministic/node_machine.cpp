@@ -50,7 +50,7 @@ NodeMachine::Program::Program(const FaultScenario& scenario, const VehicleConfig
       beside(all, node, static_cast<std::int64_t>(1e9 / scenario.rate_hz)),
       ring(bytes_of(scenario.ring_mib)),
       sink(ring, all, of, beside),
-      sealer(vehicle, vehicle.node.front(), of.epoch, sink, &preview),
+      packer(vehicle, vehicle.node.front(), of.epoch, sink, &preview),
       spool(scenario.spool_mib > 0
                 ? std::make_unique<SpoolFolder>(spool_options(scenario, node, of.epoch), disk)
                 : nullptr),
@@ -301,7 +301,7 @@ void NodeMachine::read(std::int64_t now_ns) {
   p.handed.scans = std::span(scans_).first(count);
   (void)p.sleeps.read(numbered_, {}, {});
   give_what_stands_beside(count);
-  p.sealer.add(std::span(numbered_).first(count), edges_, false);
+  p.packer.add(std::span(numbered_).first(count), edges_, false);
 }
 
 void NodeMachine::skip_sleep(const Scan& first) {
@@ -347,7 +347,7 @@ void NodeMachine::give_what_stands_beside(std::size_t scans) {
   for (const Edge& edge : edges_)
     if (is_kept(edge.time)) p.beside.given(edge);
   if (is_kept(sample.time)) p.beside.given(sample);
-  p.sealer.add({&sample, 1});
+  p.packer.add({&sample, 1});
 }
 
 // The body of firmware/acquire.cpp's loop, one read of a device that does not wait.
@@ -359,7 +359,7 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
   Program& p = *program_;
   const std::int64_t before = p.backlog.base();
   p.sink.now_ns = now_ns;
-  p.sealer.asked(node_time_from_ns(clock_ns(now_ns)));
+  p.packer.asked(node_time_from_ns(clock_ns(now_ns)));
   const WallTime start_at = p.link.start_at.load(), stop_at = p.link.stop_at.load();
   if (start_at != AcquireLink::kNotAsked && p.latest < p.from) {
     if (p.from == NodeTime::max()) {
@@ -368,13 +368,13 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
     }
     p.from = node_time(start_at);
     p.is_late = p.from <= p.latest;
-    p.sealer.start(p.from);
+    p.packer.start(p.from);
   }
   const bool ends = p.ends != AbsenceCause::kNone;
   if (ends || stop_at != AcquireLink::kNotAsked) {
     if (stop_at != AcquireLink::kNotAsked && p.latest < p.to) p.to = node_time(stop_at);
-    ends ? p.sealer.device_ended() : p.sealer.stop(p.to);
-    p.stopped = (ends && !p.sealer.started()) || p.sealer.finish();
+    ends ? p.packer.device_ended() : p.packer.stop(p.to);
+    p.stopped = (ends && !p.packer.started()) || p.packer.finish();
     if (p.stopped) check_sleeps();
     p.link.end_cause = ends ? p.ends : AbsenceCause::kStopped;
     truth_.ends(number_, p.link.end_cause);
@@ -382,7 +382,7 @@ std::int64_t NodeMachine::device(std::int64_t now_ns) {
   if (!p.stopped && !ends) read(now_ns);
   const NodeState state = p.from != NodeTime::max() ? NodeState::kStarted : NodeState::kPreview;
   const NodeState last = p.ends == AbsenceCause::kDeviceFailed ? NodeState::kFailed : NodeState::kEnded;
-  report_progress(p.sealer, p.stopped ? last : state, p.link);
+  report_progress(p.packer, p.stopped ? last : state, p.link);
   watch_freed({}, {}, before);
   return now_ns + more_ns;
 }

@@ -21,7 +21,7 @@
 
 namespace roadbalance::test {
 
-/// A worker node: the product's sealer, ring, spool and link, with a device, a clock and a power switch of
+/// A worker node: the product's packer, ring, spool and link, with a device, a clock and a power switch of
 /// the world's.  The truth gets all that it takes and seals.
 class NodeMachine {
  public:

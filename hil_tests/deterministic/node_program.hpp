@@ -18,7 +18,7 @@
 
 namespace roadbalance::test {
 
-/// The ring as the sealer sees it, with a witness.
+/// The ring as the packer sees it, with a witness.
 class WitnessedSink final : public BlockSink {
  public:
   WitnessedSink(Ring& ring, Truth& truth, EpochTruth& epoch, BesideCheck& beside)
@@ -68,7 +68,7 @@ struct NodeMachine::Program {
   WitnessedSink sink;
   PreviewSlot preview;
   AcquireLink link;
-  BlockPacker sealer;
+  BlockPacker packer;
   std::unique_ptr<SpoolFolder> spool;
   Backlog backlog;
   NodeLink uplink;

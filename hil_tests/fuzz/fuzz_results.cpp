@@ -1,20 +1,20 @@
 #include "common/bus/compensation.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recording.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
-#include "common/bus/transfer_report.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/tap.hpp"
+#include "common/bus/transfer_function_report.hpp"
+#include "common/bus/weight_check.hpp"
 #include "hil_tests/fuzz/round_trip.hpp"
 #include "hil_tests/fuzz/shown.hpp"
 #include "tools/views/compensation_json.hpp"
 #include "tools/views/order_lines.hpp"
 #include "tools/views/readout.hpp"
-#include "tools/views/verification_line.hpp"
+#include "tools/views/weight_check_line.hpp"
 #include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
@@ -46,8 +46,8 @@ Shown shown(const OrderReport& report) {
   return {order_lines(report), order_report_json(report)};
 }
 
-Shown shown(const WheelVerification& wheel) {
-  return {{verification_line(wheel)}, wheel_verification_json(wheel)};
+Shown shown(const WeightCheck& wheel) {
+  return {{weight_check_line(wheel)}, weight_check_json(wheel)};
 }
 
 // Each as rb watch shows it.
@@ -60,7 +60,7 @@ void check_displays(std::span<const std::uint8_t> bytes) {
   fuzz::check_shown<Compensation>(bytes, decode_compensation, show);
   fuzz::check_shown<Identification>(bytes, decode_identification, show);
   fuzz::check_shown<OrderReport>(bytes, decode_orders, show);
-  fuzz::check_shown<WheelVerification>(bytes, decode_verification, show);
+  fuzz::check_shown<WeightCheck>(bytes, decode_weight_check, show);
   fuzz::check_shown<Remark>(bytes, decode_remark, [](const Remark& remark) {
     return Shown{{remark.text}, remark.text};
   });
@@ -79,13 +79,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::check_message<OrderReport>(bytes, decode_orders);
   fuzz::check_message<Compensation>(bytes, decode_compensation);
   fuzz::check_message<View>(bytes, decode_view);
-  fuzz::check_message<TransferPart>(bytes, decode_transfer);
+  fuzz::check_message<TransferFunctionPart>(bytes, decode_transfer_function);
   fuzz::check_message<Envelope>(bytes, decode_envelope);
   fuzz::check_message<WaterfallRow>(bytes, decode_waterfall);
   fuzz::check_message<Remark>(bytes, decode_remark);
-  fuzz::check_message<Knock>(bytes, decode_knock);
+  fuzz::check_message<Tap>(bytes, decode_tap);
   fuzz::check_message<NodeSetup>(bytes, decode_setup);
-  fuzz::check_message<WheelVerification>(bytes, decode_verification);
+  fuzz::check_message<WeightCheck>(bytes, decode_weight_check);
   fuzz::check_message<RecordingSummary>(bytes, decode_recording);
   fuzz::check_message<Job>(bytes, decode_job);
   fuzz::check_message<DocumentPart>(bytes, decode_document_part);

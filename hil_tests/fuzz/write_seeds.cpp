@@ -19,8 +19,8 @@
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
-#include "common/bus/transfer_report.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/transfer_function_report.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/clock/datagram.hpp"
 #include "common/process/temporary_folder.hpp"
 #include "common/record/log_event.hpp"
@@ -97,7 +97,7 @@ void write_posts() {
 }
 
 void write_session_states() {
-  const SessionState book{
+  const SessionState state{
       .active = ActiveRecording{.name = "drive",
                                 .began_us = 1'700'000'000'000'000,
                                 .start = {1, 2},
@@ -114,8 +114,8 @@ void write_session_states() {
       .past = {{"before", 1'700'000'000'000, 1'700'000'000'009}},
       .set_up =
           AskedSetUp{.asked = {11, 12}, .node = 1, .value = {150.25, 4}, .nodes = {1, 2}, .text = "waits"}};
-  write("desk_book", "all", text_of(book));
-  write("desk_book", "empty", text_of({}));
+  write("session_state", "all", text_of(state));
+  write("session_state", "empty", text_of({}));
 }
 
 void write_messages() {
@@ -152,7 +152,7 @@ void write_messages() {
   write("results", "orders", encode(OrderReport{.wheel = 2, .node = 1, .seconds = 60}));
   write("results", "view", encode(View{.viewer = 1, .pair = {{{1, 2}, {2, 3}}}}));
   write("results", "transfer",
-        encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
+        encode(TransferFunctionPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
   write("results", "envelope", encode(Envelope{.node = 1, .channel = 2, .bucket = {{-1.0F, 2.0F}}}));
   write("results", "waterfall",
         encode(WaterfallRow{.of = {2, {1, 1}}, .blocks = 3, .amplitude = {0.5F, 2.0F}}));
@@ -161,7 +161,7 @@ void write_messages() {
             .wheel = 2, .plan = {.step = {WeightStep{}, WeightStep{}}}, .verdict = {.incurable = "bent"}}));
   write("results", "remark", encode(Remark{.remarks = 1, .text = "static only"}));
   write("results", "verification",
-        encode(WheelVerification{.wheel = 1, .state = VerificationState::kKnown, .text = "before"}));
+        encode(WeightCheck{.wheel = 1, .state = WeightCheckState::kKnown, .text = "before"}));
   write("results", "job",
         encode(Job{.jobs = 1,
                    .job = 2,

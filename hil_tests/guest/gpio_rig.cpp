@@ -88,8 +88,8 @@ Sealed GpioRig::seal(std::int64_t begin_ns, double seconds) const {
   Ring ring;
   RingSink sink(ring);
   const NodeConfig& node = vehicle.node[0];
-  BlockPacker sealer(vehicle, node, 5, sink, nullptr);
-  sealer.start();
+  BlockPacker packer(vehicle, node, 5, sink, nullptr);
+  packer.start();
   const double period_ns = 1e9 / node.rate_hz;
   std::size_t next = 0;
   for (std::int64_t k = 0; k < static_cast<std::int64_t>(seconds * node.rate_hz); ++k) {
@@ -99,11 +99,11 @@ Sealed GpioRig::seal(std::int64_t begin_ns, double seconds) const {
                                   std::llround(static_cast<double>(k) * period_ns));
     const std::size_t first = next;
     while (next < edges.size() && edges[next].time <= scan.time) ++next;
-    sealer.add({&scan, 1}, std::span(edges).subspan(first, next - first), false);
+    packer.add({&scan, 1}, std::span(edges).subspan(first, next - first), false);
   }
-  sealer.stop();
-  sealer.device_ended();
-  Sealed sealed{.blocks = {}, .faulty_turns = sealer.encoder_faults(0).turns};
+  packer.stop();
+  packer.device_ended();
+  Sealed sealed{.blocks = {}, .faulty_turns = packer.encoder_faults(0).turns};
   for (std::int64_t sequence = 1; sequence < ring.next(); ++sequence)
     if (ring.get(sequence).kind == BlockKind::kScan) sealed.blocks.push_back(decode_scan(ring.get(sequence)));
   return sealed;

@@ -41,7 +41,7 @@ TEST_F(Operating, RecordsAgainAndAgainWithoutLosingAnything) {
   EXPECT_EQ(recorder.exit_code(30), 0);
 }
 
-// Two would answer each request and write one book.
+// Two would answer each request and write one session state.
 TEST_F(Operating, OneRecorderToAFolder) {
   Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
   start("drive");

@@ -15,7 +15,6 @@
 #include "common/bus/control_messages.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/notes.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
@@ -24,8 +23,9 @@
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
-#include "common/bus/transfer_report.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/tap.hpp"
+#include "common/bus/transfer_function_report.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/record/record_writer.hpp"
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
@@ -192,7 +192,8 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("recorder_t", encode(RecorderStatus{.segment = 2}));
     append("orders_t", encode(OrderReport{.wheel = 2, .node = 4}));
     append("view_t", encode(View{.viewer = 1, .pair = {{{4, 2}, {4, 3}}}}));
-    append("transfer_t", encode(TransferPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
+    append("transfer_t",
+           encode(TransferFunctionPart{.viewer = 1, .bin = {{1.0F, 2.0F, 3.0F, 4.0F, 5.0F, 0.5F}}}));
     append("envelope_t", encode(Envelope{.node = 4, .channel = 2, .bucket = {{-1.0F, 2.0F}}}));
     append("waterfall_t", encode(WaterfallRow{.of = {2, {4, 1}}, .blocks = 3, .amplitude = {0.5F, 2.0F}}));
     append("request_t", encode(Request{.asker = 1, .request = 2, .node = 4, .text = "bridge"}));
@@ -200,12 +201,12 @@ TEST(StockLcm, TheDecoderOfLcmSpyUnderstandsEveryMessage) {
     append("receipt_t", encode(Receipt{.nodes = 1, .node = 4, .overload_s = 0.25, .name = "drive"}));
     append("vehicle_t", encode(VehiclePart{.node = 4, .incarnation = 1, .parts = 1, .text = "name = 1"}));
     append("remark_t", encode(Remark{.remarks = 1, .text = "text"}));
-    append("knock_t", encode(Knock{.node = 4, .channel = 2}));
+    append("knock_t", encode(Tap{.node = 4, .channel = 2}));
     NodeSetup setup;
     setup.node = 4;
     setup.name = "front";
     append("setup_t", encode(setup));
-    append("verification_t", encode(WheelVerification{.wheel = 2}));
+    append("verification_t", encode(WeightCheck{.wheel = 2}));
     append("recording_t", encode(RecordingSummary{}));
     append("job_t", encode(Job{.jobs = 1, .recording = "drive", .progress = 0.5, .text = "text"}));
     append("document_t", encode(DocumentPart{.parts = 1, .bytes = "text"}));

@@ -14,7 +14,7 @@
 #include "common/bus/control_messages.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/record/record_reader.hpp"
 #include "host/analyser/durable_gate.hpp"
 #include "host/analyser/live_orders.hpp"
@@ -66,7 +66,7 @@ class Follower {
     publish_remarks(estimate);
     bus_.publish(kIdentificationChannel, encode(estimate.identification));
     // The plan is sent before the results it follows from: who has the one has the other.
-    publish_verification();
+    publish_weight_checks();
     for (std::size_t w = 0; w < kWheels; ++w) {
       bus_.publish(kCompensationChannel, encode(after_.compensation[w]));
       bus_.publish(kBalanceChannel, encode(after_.balance[w]));
@@ -97,13 +97,13 @@ class Follower {
       bus_.publish(kRemarkChannel, encode(remark));
   }
 
-  void publish_verification() {
+  void publish_weight_checks() {
     if (before_name_.empty()) return;
     if (!before_) before_ = before_in_.receive_for(std::chrono::seconds(0));
     if (!before_ && before_in_.finished()) return;
-    for (const WheelVerification& wheel :
-         before_ ? verify_weights(*before_, after_) : reading_before(before_name_, after_.balance))
-      bus_.publish(kVerificationChannel, encode(wheel));
+    for (const WeightCheck& wheel :
+         before_ ? check_weights(*before_, after_) : reading_before(before_name_, after_.balance))
+      bus_.publish(kWeightCheckChannel, encode(wheel));
   }
 
   static bool is_last(const SealedBlock& block) {

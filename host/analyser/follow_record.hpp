@@ -7,7 +7,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/process/channel.hpp"
 #include "host/analyser/analyser.hpp"
-#include "host/analysis/balance/verification.hpp"
+#include "host/analysis/balance/check_weights.hpp"
 
 namespace roadbalance {
 

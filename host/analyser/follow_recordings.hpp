@@ -10,7 +10,7 @@ namespace roadbalance {
 /// Process: run_analyser on each recording in turn that the recorder makes, from when it reports its name
 /// until it reports another; in between the last one stays.
 ///
-/// Before the first one options.vehicle describes the channels, if it is given: there are levels, and knocks
+/// Before the first one options.vehicle describes the channels, if it is given: there are levels, and taps
 /// are heard, before anything is recorded.  Among it and the files beside it, the one by which the nodes
 /// measure is in force: whatever is chosen or changed between recordings counts at once.
 ///

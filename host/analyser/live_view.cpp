@@ -19,8 +19,8 @@
 #include "host/analyser/chosen_vehicle.hpp"
 #include "host/analyser/sample_beat.hpp"
 #include "host/analyser/spectrum_view.hpp"
-#include "host/analyser/tap_test.hpp"
-#include "host/analyser/transfer_view.hpp"
+#include "host/analyser/tap_meter.hpp"
+#include "host/analyser/transfer_function_view.hpp"
 #include "host/analyser/waterfall_view.hpp"
 #include "host/analysis/spectra/channel_watch.hpp"
 #include "host/analysis/spectra/envelopes.hpp"
@@ -57,7 +57,7 @@ struct NodeView {
   LevelMeter levels;
   SpectrumMeter spectra;
   EnvelopeMeter envelopes;
-  TapMeter knocks;
+  TapMeter taps;
   SampleBeat level_beat{kLevel_s}, spectrum_beat{kSpectrum_s};
   InSequence sequence{InSequence::From::kFirstHeard};
 };
@@ -68,7 +68,7 @@ class LiveView {
            const std::function<void(const std::string&)>& warn, Out<Ack>& acks)
       : bus_(url, {.ahead_bytes = kAhead}),
         watch_(vehicle),
-        transfers_(vehicle),
+        transfer_functions_(vehicle),
         spectra_(vehicle),
         waterfalls_(vehicle),
         chosen_(vehicle, find, warn) {
@@ -76,7 +76,7 @@ class LiveView {
       nodes_.emplace(node.id, NodeView{.levels = LevelMeter(vehicle, node),
                                        .spectra = SpectrumMeter(node),
                                        .envelopes = EnvelopeMeter(node),
-                                       .knocks = TapMeter(node)});
+                                       .taps = TapMeter(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
@@ -116,7 +116,8 @@ class LiveView {
   }
 
   void publish_views(WallTime now) {
-    for (const TransferPart& part : transfers_.parts(now)) bus_.publish(kTransferChannel, encode(part));
+    for (const TransferFunctionPart& part : transfer_functions_.parts(now))
+      bus_.publish(kTransferFunctionChannel, encode(part));
     for (const SpectrumPart& part : spectra_.parts(now)) bus_.publish(kSpectrumChannel, encode(part));
   }
 
@@ -130,7 +131,7 @@ class LiveView {
 
   void add(const View& view) {
     const WallTime now = WallClock::now();
-    transfers_.take(view, now);
+    transfer_functions_.take(view, now);
     spectra_.take(view, now);
     waterfalls_.take(view, now);
     for (const ChannelId& channel : view.envelope)
@@ -138,7 +139,7 @@ class LiveView {
   }
 
   void add(const ClockFit& fit) {
-    transfers_.consume(fit);
+    transfer_functions_.consume(fit);
     spectra_.consume(fit);
     waterfalls_.consume(fit);
   }
@@ -162,10 +163,10 @@ class LiveView {
     if (node.level_beat.due(scans, now)) publish_level(node);
     if (node.spectrum_beat.due(scans, now))
       for (const SpectrumPart& part : node.spectra.take()) bus_.publish(kSpectrumChannel, encode(part));
-    if (const auto knock = node.knocks.add(scans)) bus_.publish(kKnockChannel, encode(*knock));
+    if (const auto tap = node.taps.add(scans)) bus_.publish(kTapChannel, encode(*tap));
     if (block.header.sequence == 0) return;  // a preview skips
     node.envelopes.add(scans);
-    transfers_.consume(block);
+    transfer_functions_.consume(block);
     spectra_.consume(block);
     waterfalls_.consume(block);
   }
@@ -178,7 +179,7 @@ class LiveView {
   Bus bus_;
   std::map<std::int32_t, NodeView> nodes_;
   ChannelWatch watch_;
-  TransferView transfers_;
+  TransferFunctionView transfer_functions_;
   SpectrumView spectra_;
   WaterfallView waterfalls_;
   std::map<ChannelId, WallTime> watched_;  ///< envelopes that a viewer asks for, and when it did

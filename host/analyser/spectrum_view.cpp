@@ -44,7 +44,7 @@ void SpectrumView::take(const View& view, WallTime now) {
   }
   forget(now);  // before more is begun
   for (Wanted& wanted : viewer.wanted)
-    wanted.state = pool_.has(wanted.channel) ? pool_.begin(wanted.kind) : TransferState::kNoChannel;
+    wanted.state = pool_.has(wanted.channel) ? pool_.begin(wanted.kind) : SpectralState::kNoChannel;
 }
 
 void SpectrumView::forget(WallTime now) {
@@ -63,8 +63,8 @@ std::vector<SpectrumPart> SpectrumView::parts(WallTime now) {
     for (Wanted& wanted : viewer.wanted) {
       const JointSpectra* const joint = pool_.find(wanted.kind);
       const int averages = joint ? joint->spectra().averages() : 0;
-      const TransferState state =
-          wanted.state == TransferState::kComputed && averages == 0 ? TransferState::kTooShort : wanted.state;
+      const SpectralState state =
+          wanted.state == SpectralState::kComputed && averages == 0 ? SpectralState::kTooShort : wanted.state;
       const std::pair now_sent(state, averages);
       if (std::exchange(wanted.sent, now_sent) == now_sent) continue;
       const SpectrumPart about{.viewer = id,
@@ -73,7 +73,7 @@ std::vector<SpectrumPart> SpectrumView::parts(WallTime now) {
                                .state = state,
                                .time_ns = joint ? joint->end_ns() : 0,
                                .held = wanted.kind.hold_peaks};
-      if (state != TransferState::kComputed)
+      if (state != SpectralState::kComputed)
         parts.push_back(about);
       else
         add_parts(about, viewer.highest_hz, joint->spectra(), parts);

@@ -15,7 +15,7 @@ namespace roadbalance {
 
 /// Spectra of single channels that viewers ask for, and no others.
 ///
-/// As TransferView; each channel is averaged by itself, so that one that clips costs no other.
+/// As TransferFunctionView; each channel is averaged by itself, so that one that clips costs no other.
 class SpectrumView {
  public:
   static constexpr std::chrono::seconds kForgotten{3};
@@ -39,8 +39,8 @@ class SpectrumView {
   struct Wanted {
     ChannelId channel;
     Kind kind;
-    TransferState state = TransferState::kComputed;       ///< of what was begun
-    std::optional<std::pair<TransferState, int>> sent{};  ///< with how many averages
+    SpectralState state = SpectralState::kComputed;       ///< of what was begun
+    std::optional<std::pair<SpectralState, int>> sent{};  ///< with how many averages
   };
   struct Viewer {
     double highest_hz = 0.0;

@@ -14,7 +14,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/operation.hpp"
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/command_line/bus_url.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/command_line/run_program.hpp"

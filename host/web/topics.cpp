@@ -9,7 +9,6 @@
 #include "common/bus/control_messages.hpp"
 #include "common/bus/display.hpp"
 #include "common/bus/job.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/order_report.hpp"
 #include "common/bus/recorder_status.hpp"
@@ -17,8 +16,9 @@
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
-#include "common/bus/transfer_report.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/tap.hpp"
+#include "common/bus/transfer_function_report.hpp"
+#include "common/bus/weight_check.hpp"
 
 namespace roadbalance {
 namespace {
@@ -43,8 +43,8 @@ std::int64_t packed(std::initializer_list<std::int64_t> values) {
   return static_cast<std::int64_t>(key);
 }
 
-Key transfer_key(Bytes bytes) {
-  const auto part = decode_transfer(bytes);
+Key transfer_function_key(Bytes bytes) {
+  const auto part = decode_transfer_function(bytes);
   if (!part || part->viewer == 0) return std::nullopt;
   return packed({part->pair.input.node, part->pair.input.channel, part->pair.output.node,
                  part->pair.output.channel, part->part});
@@ -108,11 +108,10 @@ const std::array kPageMessages{
                   return remark ? Key(remark->number) : std::nullopt;
                 },
                 false},
-    PageMessage{kKnockChannel, [](Bytes bytes) { return node_of(decode_knock(bytes)); }, false, nullptr,
+    PageMessage{kTapChannel, [](Bytes bytes) { return node_of(decode_tap(bytes)); }, false, nullptr,
                 kMostNodes},
     PageMessage{"RB_SETUP_.*", [](Bytes bytes) { return node_of(decode_setup(bytes)); }, true},
-    PageMessage{kVerificationChannel, [](Bytes bytes) { return wheel_of(decode_verification(bytes)); },
-                false},
+    PageMessage{kWeightCheckChannel, [](Bytes bytes) { return wheel_of(decode_weight_check(bytes)); }, false},
     PageMessage{kRecordingChannel,
                 [](Bytes bytes) {
                   const auto recording = decode_recording(bytes);
@@ -134,8 +133,8 @@ const std::array kPageMessages{
     PageMessage{kOrdersChannel, orders_key, false},
     PageMessage{kEnvelopeChannel, envelope_key, true},
     PageMessage{kWaterfallChannel, waterfall_key, true},
-    PageMessage{kTransferChannel, transfer_key, true,
-                [](Bytes bytes) { return decode_transfer(bytes)->viewer; }},
+    PageMessage{kTransferFunctionChannel, transfer_function_key, true,
+                [](Bytes bytes) { return decode_transfer_function(bytes)->viewer; }},
     PageMessage{kSpectrumChannel, spectrum_key, true,
                 [](Bytes bytes) { return decode_spectrum(bytes)->viewer; }},
 };

@@ -10,7 +10,7 @@
 #include "common/multibody/affine_model.hpp"
 #include "common/vehicle/vehicle_description.hpp"
 #include "embedded/demo_vehicle.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/balance/compensate.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
 #include "host/recording/levels.hpp"
@@ -34,7 +34,7 @@ std::vector<SealedBlock> blocks_of(double seconds) {
   for (const NodeConfig& node : vehicle().node) {
     const auto front_end =
         sim::open_sim_front_end({"?seed=1&rate=max&seconds=" + std::to_string(seconds), vehicle(), node});
-    seal_all(*front_end, vehicle(), node, 1, [&](const SealedBlock& block) { list.push_back(block); });
+    pack_epoch(*front_end, vehicle(), node, 1, [&](const SealedBlock& block) { list.push_back(block); });
   }
   return list;
 }
@@ -55,8 +55,8 @@ void simulate_and_seal(benchmark::State& state) {
   const NodeConfig& node = vehicle().node.front();
   for (auto _ : state) {
     const auto front_end = sim::open_sim_front_end({"?seed=1&rate=max&seconds=5", vehicle(), node});
-    seal_all(*front_end, vehicle(), node, 1,
-             [](const SealedBlock& block) { benchmark::DoNotOptimize(block.size); });
+    pack_epoch(*front_end, vehicle(), node, 1,
+               [](const SealedBlock& block) { benchmark::DoNotOptimize(block.size); });
   }
   report(state, 5.0);
 }

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/bus.hpp"
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/command_line/bus_url.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "common/types/clocks.hpp"
@@ -48,8 +48,8 @@ int main(int argc, char** argv) {
 
   Bus bus(url);
   std::map<std::int32_t, double> averages;
-  bus.subscribe(kTransferChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
-    if (const auto told = decode_transfer(bytes))
+  bus.subscribe(kTransferFunctionChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
+    if (const auto told = decode_transfer_function(bytes))
       averages[told->pair.input.node] = std::max(averages[told->pair.input.node], told->independent_averages);
   });
   for (WallTime due = WallClock::now(); !signals.token().stop_requested(); bus.handle(50ms)) {

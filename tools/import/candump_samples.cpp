@@ -67,14 +67,14 @@ class CandumpSamples final : public SampleSource {
   }
 
  private:
-  struct Priors {
+  struct KnownMessage {
     const DbcMessage* message;
     std::optional<std::size_t> first_column;  // of its signals, once a frame has come
   };
   struct KnownFrame {
     CanFrame frame;
     std::int64_t time_ns;
-    Priors* known;
+    KnownMessage* known;
   };
 
   double time_s(std::int64_t time_ns) const { return 1e-9 * static_cast<double>(time_ns - *first_ns_); }
@@ -138,7 +138,7 @@ class CandumpSamples final : public SampleSource {
     return first;
   }
 
-  void add(const CanFrame& frame, const Priors& known, std::span<double> row) const {
+  void add(const CanFrame& frame, const KnownMessage& known, std::span<double> row) const {
     const DbcMessage& message = *known.message;
     for (std::size_t s = 0; s < message.signals.size(); ++s) {
       const DbcReading reading = read_signal(message, message.signals[s], frame);
@@ -156,7 +156,7 @@ class CandumpSamples final : public SampleSource {
   const Dbc dbc_;
   const std::shared_ptr<const File> log_;
   LineReader lines_;
-  std::map<std::pair<std::uint32_t, bool>, Priors> message_;
+  std::map<std::pair<std::uint32_t, bool>, KnownMessage> message_;
   std::vector<FileChannel> channel_;
   std::string interface_;
   std::optional<std::int64_t> first_ns_;  // from which times count

@@ -61,11 +61,11 @@ std::vector<std::string> ChannelSuspicion::found() const {
 }
 
 NodeImport::NodeImport(const VehicleConfig& vehicle, const NodeConfig& node, const ColumnOf& columns,
-                       std::int64_t epoch, const std::filesystem::path& samples, EpochSealer::Take take)
+                       std::int64_t epoch, const std::filesystem::path& samples, EpochPacker::Take take)
     : vehicle_(vehicle),
       node_(node),
       samples_(samples),
-      sealer_(
+      packer_(
           vehicle, node, epoch,
           [this, take = std::move(take)](const SealedBlock& block) {
             ++counts_.blocks;
@@ -116,17 +116,17 @@ void NodeImport::add(std::span<const double> cells, std::int64_t row, std::int64
 }
 
 void NodeImport::seal() {
-  sealer_.add(scans_, edges_);
+  packer_.add(scans_, edges_);
   scans_.clear();
   edges_.clear();
   for (int line = 0; line < kEncoderLines; ++line)
-    if (const auto counts = sealer_.mark_counts(line); counts[0] > 0)
+    if (const auto counts = packer_.mark_counts(line); counts[0] > 0)
       mark_counts_[static_cast<std::size_t>(line)] = counts;
 }
 
 void NodeImport::end() {
   seal();
-  sealer_.end();
+  packer_.end();
 }
 
 std::vector<std::pair<std::string, std::string>> NodeImport::suspicions() const {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 
 namespace roadbalance {
 
@@ -53,7 +53,7 @@ class NodeImport {
   /// @param node     with the rate that the samples have; outlives this
   /// @param samples  the file, for errors
   NodeImport(const VehicleConfig& vehicle, const NodeConfig& node, const ColumnOf& columns,
-             std::int64_t epoch, const std::filesystem::path& samples, EpochSealer::Take take);
+             std::int64_t epoch, const std::filesystem::path& samples, EpochPacker::Take take);
   NodeImport(const NodeImport&) = delete;
   NodeImport& operator=(const NodeImport&) = delete;
 
@@ -86,7 +86,7 @@ class NodeImport {
   std::vector<Scan> scans_;
   Counts counts_;
   std::array<std::array<int, 2>, kEncoderLines> mark_counts_{};  ///< the latest that were wrong
-  EpochSealer sealer_;
+  EpochPacker packer_;
 };
 
 }  // namespace roadbalance

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/config/section.hpp"
-#include "host/analysis/orders/angle_variance.hpp"
+#include "host/analysis/orders/angle_uncertainty.hpp"
 #include "host/analysis/orders/orders_of_record.hpp"
 #include "host/analysis/orders/rotor_balance.hpp"
 #include "host/analysis/orders/same_rotor.hpp"
@@ -124,7 +124,7 @@ int balance(const BalanceOptions& options) {
     for (const auto& orders : found.rotor) run.orders.push_back(orders.get());
     run.datum_rad = datum_of(found.vehicle, rotor);
     warn_of_datum(drives.front(), runs.front().datum_rad, drive, run.datum_rad);
-    run.phase_sigma_rad = doubt_of(found, found.rotor.front()->rotor()).common_sigma_rad;
+    run.phase_sigma_rad = angle_uncertainty(found, found.rotor.front()->rotor()).common_sigma_rad;
   }
   const RotorBalance found = balance_rotor(rotor, runs);
   if (!found.refusal.empty()) std::fprintf(stderr, "rb balance: %s\n", found.refusal.c_str());

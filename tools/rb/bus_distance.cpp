@@ -182,7 +182,7 @@ BusDistance bus_distance(const std::vector<LoggedFrame>& log, const Dbc& dbc, co
   }
   if (counted.messages == 0)
     throw ConfigError(counter.name() + ": the log holds no frame of " + counter.message->name);
-  counted.tally = unwrap.tally();
+  counted.counters = unwrap.counters();
   counted.runs = unwrap.run();
   counted.metres = static_cast<double>(counted.counts) * counted.metres_per_count;
   for (const SpeedIntegral& speed : speeds) result.speed.push_back(speed.distance());
@@ -196,12 +196,12 @@ nlohmann::ordered_json distance_json(const BusDistance& distance) {
                                 {"messages", c.messages},
                                 {"counts", c.counts},
                                 {"step", c.step},
-                                {"wraps", c.tally.wraps},
+                                {"wraps", c.counters.wraps},
                                 {"runs", c.runs},
-                                {"invalid", c.tally.invalid},
-                                {"out_of_order", c.tally.out_of_order},
-                                {"ambiguous", c.tally.ambiguous},
-                                {"implausible", c.tally.implausible},
+                                {"invalid", c.counters.invalid},
+                                {"out_of_order", c.counters.out_of_order},
+                                {"ambiguous", c.counters.ambiguous},
+                                {"implausible", c.counters.implausible},
                                 {"metres_per_count", c.metres_per_count},
                                 {"seconds", c.seconds},
                                 {"metres", c.metres}}},
@@ -227,16 +227,16 @@ std::vector<std::string> distance_lines(const BusDistance& distance) {
       "%s: %lld counts in steps of %lld, %lld wraps, %.2f s: %.1f m; %lld messages, %lld invalid, %lld out "
       "of order",
       c.signal.c_str(), static_cast<long long>(c.counts), static_cast<long long>(c.step),
-      static_cast<long long>(c.tally.wraps), c.seconds, c.metres, static_cast<long long>(c.messages),
-      static_cast<long long>(c.tally.invalid), static_cast<long long>(c.tally.out_of_order));
+      static_cast<long long>(c.counters.wraps), c.seconds, c.metres, static_cast<long long>(c.messages),
+      static_cast<long long>(c.counters.invalid), static_cast<long long>(c.counters.out_of_order));
   lines.emplace_back(line);
   if (c.runs != 1) {
     std::snprintf(
         line, sizeof line,
         "%s: BROKEN into %lld runs: %lld times more than one number of wraps was possible, %lld times none; "
         "nothing is counted across",
-        c.signal.c_str(), static_cast<long long>(c.runs), static_cast<long long>(c.tally.ambiguous),
-        static_cast<long long>(c.tally.implausible));
+        c.signal.c_str(), static_cast<long long>(c.runs), static_cast<long long>(c.counters.ambiguous),
+        static_cast<long long>(c.counters.implausible));
     lines.emplace_back(line);
   }
   for (const SpeedDistance& s : distance.speed) {

@@ -25,7 +25,7 @@ inline constexpr double kLongestSilence_s = 0.5;
 /// The same of a counter of pulses or of distance.
 struct CounterDistance {
   std::string signal;
-  CounterUnwrap::Counters tally;
+  CounterUnwrap::Counters counters;
   std::int64_t messages = 0, runs = 0, counts = 0, step = 1;
   double metres_per_count = 0.0, seconds = 0.0, metres = 0.0;  ///< of all runs
 };

@@ -19,7 +19,7 @@
 #include "tools/views/alarm_lines.hpp"
 #include "tools/views/compensation_json.hpp"
 #include "tools/views/recording_defects.hpp"
-#include "tools/views/verification_line.hpp"
+#include "tools/views/weight_check_line.hpp"
 #include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
@@ -69,11 +69,11 @@ DriveReport gather(const ReportOptions& options, const std::optional<VehicleConf
   if (!vehicle) report.vehicle.name = "a vehicle that is not known";
   identify(options, report);
   if (!options.before.empty() && report.failure.empty())
-    report.verification =
-        verify_weights(evaluate_drive(options.before), {.name = report.receipt.name,
-                                                        .vehicle = report.vehicle,
-                                                        .balance = report.found.estimate.balance,
-                                                        .compensation = report.found.compensation});
+    report.weight_check =
+        check_weights(evaluate_drive(options.before), {.name = report.receipt.name,
+                                                       .vehicle = report.vehicle,
+                                                       .balance = report.found.estimate.balance,
+                                                       .compensation = report.found.compensation});
   if (options.complete) report.account = account_of(options.folder, vehicle, proof);
   return report;
 }
@@ -81,11 +81,10 @@ DriveReport gather(const ReportOptions& options, const std::optional<VehicleConf
 /// The contents of the page, in the words of rb identify.
 Json json_of(const DriveReport& report) {
   const auto& [identification, balance] = report.found.estimate;
-  Json verification = nullptr, nodes = Json::array();
-  if (report.verification) {
-    verification = Json::array();
-    for (const WheelVerification& wheel : *report.verification)
-      verification.push_back(wheel_verification_json(wheel));
+  Json weight_check = nullptr, nodes = Json::array();
+  if (report.weight_check) {
+    weight_check = Json::array();
+    for (const WeightCheck& wheel : *report.weight_check) weight_check.push_back(weight_check_json(wheel));
   }
   for (const auto& node : report.receipt.node)
     nodes.push_back({{"node", node.node},
@@ -100,7 +99,7 @@ Json json_of(const DriveReport& report) {
           {"recording", report.receipt.name},
           {"wheels", wheels_json(identification, balance)},
           {"compensation", compensation_json(balance, report.found.compensation)},
-          {"verification", verification},
+          {"verification", weight_check},
           {"remarks", report.found.diagnostics},
           {"verdict", report.receipt.verdict},
           {"refused", report.receipt.refused},

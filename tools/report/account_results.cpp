@@ -11,7 +11,7 @@
 #include "tools/views/degrees.hpp"
 #include "tools/views/identification_json.hpp"
 #include "tools/views/readout.hpp"
-#include "tools/views/verification_line.hpp"
+#include "tools/views/weight_check_line.hpp"
 #include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
@@ -153,10 +153,10 @@ std::string account_weights(const DriveReport& report) {
 
 std::string account_before_and_after(const DriveReport& report) {
   const std::string title = element("h2", "Before and after the weights");
-  if (!report.verification) return title + paragraph("No drive before the weights was given.");
+  if (!report.weight_check) return title + paragraph("No drive before the weights was given.");
   Rows rows;
-  for (const WheelVerification& of : *report.verification) {
-    const Json wheel = wheel_verification_json(of);
+  for (const WeightCheck& of : *report.weight_check) {
+    const Json wheel = weight_check_json(of);
     rows.push_back({words_of(wheel["wheel"]), polar(wheel["before_g"]), polar(wheel["fitted_g"]),
                     polar(wheel["after_g"]),
                     with_reach(wheel["reduction"], wheel["sigma_reduction"], "%.0f", 100.0),

@@ -12,7 +12,7 @@
 #include "tools/report/report_wheel.hpp"
 #include "tools/views/degrees.hpp"
 #include "tools/views/readout.hpp"
-#include "tools/views/verification_line.hpp"
+#include "tools/views/weight_check_line.hpp"
 #include "tools/views/wheel_angle.hpp"
 
 namespace roadbalance {
@@ -91,8 +91,8 @@ std::string what_is_left(const Balance& balance, const Compensation& compensatio
   return element("p", markup_text(text));
 }
 
-const WheelVerification* before_of(const DriveReport& report, std::size_t w) {
-  return report.verification ? &report.verification->at(w) : nullptr;
+const WeightCheck* before_of(const DriveReport& report, std::size_t w) {
+  return report.weight_check ? &report.weight_check->at(w) : nullptr;
 }
 
 std::string wheel_card(const DriveReport& report, std::size_t w, double rim_g) {
@@ -122,8 +122,8 @@ std::string wheels(const DriveReport& report) {
   double largest_g = 5.0;
   for (const Balance& balance : report.found.estimate.balance)
     if (balance.state == Unknown::kNone) largest_g = std::max(largest_g, balance.unbalance_g);
-  if (report.verification)
-    for (const WheelVerification& wheel : *report.verification)
+  if (report.weight_check)
+    for (const WeightCheck& wheel : *report.weight_check)
       if (tells_before(wheel)) largest_g = std::max(largest_g, wheel.before_g.norm());
   std::string cards;
   for (std::size_t w = 0; w < kWheels; ++w) cards += wheel_card(report, w, largest_g);
@@ -140,11 +140,11 @@ std::string wheels(const DriveReport& report) {
 }
 
 std::string before_and_after(const DriveReport& report) {
-  if (!report.verification) return "";
+  if (!report.weight_check) return "";
   std::string lines;
-  for (const WheelVerification& wheel : *report.verification)
+  for (const WeightCheck& wheel : *report.weight_check)
     lines += element("tr", element("td", words(kWheelNames[static_cast<std::size_t>(wheel.wheel)])) +
-                               element("td", markup_text(verification_line(wheel))));
+                               element("td", markup_text(weight_check_line(wheel))));
   return element("h2", "Before and after the weights") + element("table", lines);
 }
 

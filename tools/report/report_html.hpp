@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/bus/recording.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "host/analysis/drives/identify_record.hpp"
 #include "host/recording/recorded_alarms.hpp"
@@ -20,7 +20,7 @@ struct DriveReport {
   RecordedEstimate found;
   RecordingSummary receipt;
   RecordedAlarms alarms{};
-  std::optional<std::array<WheelVerification, kWheels>> verification{};  ///< with the drive before weights
+  std::optional<std::array<WeightCheck, kWheels>> weight_check{};  ///< with the drive before weights
   std::string
       failure{};  ///< why nothing was identified, or what could not be compared; empty: nothing failed
   std::optional<DriveAccount> account{};  ///< of `vehicle`; nothing: the first page alone

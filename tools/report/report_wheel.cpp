@@ -55,13 +55,12 @@ std::string rotation(int wheel) {
 
 }  // namespace
 
-bool tells_before(const WheelVerification& verification) {
-  return verification.state == VerificationState::kKnown ||
-         verification.state == VerificationState::kAfterUnknown;
+bool tells_before(const WeightCheck& check) {
+  return check.state == WeightCheckState::kKnown || check.state == WeightCheckState::kAfterUnknown;
 }
 
 std::string wheel_svg(const Balance& balance, const Compensation& compensation, double rim_g,
-                      const WheelVerification* before) {
+                      const WeightCheck* before) {
   std::string svg = format(
       "<svg class=\"wheel\" viewBox=\"-60 -60 120 120\" aria-hidden=\"true\"><circle class=\"tyre\" "
       "r=\"%.0f\"/><circle "

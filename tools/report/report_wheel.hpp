@@ -4,7 +4,7 @@
 
 #include "common/bus/compensation.hpp"
 #include "common/bus/results.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 
 namespace roadbalance {
 
@@ -12,9 +12,9 @@ namespace roadbalance {
 /// unbalance is as a vector whose full length is `rim_g`.
 /// @param before  unbalance before the weights, dashed; nullptr: not known
 std::string wheel_svg(const Balance& balance, const Compensation& compensation, double rim_g,
-                      const WheelVerification* before = nullptr);
+                      const WeightCheck* before = nullptr);
 
 /// It has the unbalance before the weights.
-bool tells_before(const WheelVerification& verification);
+bool tells_before(const WeightCheck& check);
 
 }  // namespace roadbalance

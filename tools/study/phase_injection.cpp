@@ -134,11 +134,11 @@ std::complex<double> injected_over_sent(const PhaseInjection& injection, bool by
   const Motion motion{injection.turns_hz, injection.drift_turns_s2};
   const sim::PulseTrain train{.angle_rad = [&](double t) { return motion.angle_rad(t); }, .jitter_s = 1e-6};
   Demodulation demodulation(by_mean_speed ? std::optional(injection.turns_hz) : std::nullopt);
-  BlockPacker sealer(vehicle, vehicle.node[0], 1, demodulation, nullptr);
-  sealer.start();
-  sealer.add(converted(injection, vehicle, motion), train.edges(0.0, kInjection_s), false);
-  sealer.device_ended();
-  static_cast<void>(sealer.finish());  // this sink always takes it
+  BlockPacker packer(vehicle, vehicle.node[0], 1, demodulation, nullptr);
+  packer.start();
+  packer.add(converted(injection, vehicle, motion), train.edges(0.0, kInjection_s), false);
+  packer.device_ended();
+  static_cast<void>(packer.finish());  // this sink always takes it
   const double speed = demodulation.mean_hz() / injection.turns_hz;
   const double sent = kAmplitude_m_s2 / vehicle.node[0].channel[0].scale_m_s2_per_count;
   return demodulation.phasor() / (speed * speed) / std::polar(sent, -injection.phase_rad);

@@ -6,7 +6,7 @@
 #include "common/frontend/registry.hpp"
 #include "common/process/channel.hpp"
 #include "common/process/parallel.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 
@@ -27,7 +27,7 @@ DriveEstimate identify_simulated_drive(const VehicleConfig& vehicle, const std::
         [its_address, &vehicle, &node](Out<SealedBlock> sealed) {
           const auto front_end = sim::open_sim_front_end({its_address, vehicle, node});
           const std::int64_t epoch = node.id;  // any number will do where there is no link
-          seal_all(*front_end, vehicle, node, epoch, [&](const SealedBlock& block) { sealed.send(block); });
+          pack_epoch(*front_end, vehicle, node, epoch, [&](const SealedBlock& block) { sealed.send(block); });
         },
         std::move(out));
   }

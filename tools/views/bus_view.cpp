@@ -74,9 +74,9 @@ BusView::BusView(const std::string& url) : bus_(url) {
   bus_.subscribe(kRemarkChannel, [this](std::string_view, Bytes bytes) {
     if (const auto remark = decode_remark(bytes)) remarks_[remark->number] = *remark;
   });
-  bus_.subscribe(kVerificationChannel, [this](std::string_view, Bytes bytes) {
-    if (const auto wheel = decode_verification(bytes))
-      verification_[static_cast<std::size_t>(wheel->wheel)] = *wheel;
+  bus_.subscribe(kWeightCheckChannel, [this](std::string_view, Bytes bytes) {
+    if (const auto wheel = decode_weight_check(bytes))
+      weight_check_[static_cast<std::size_t>(wheel->wheel)] = *wheel;
   });
   bus_.subscribe(kRecorderChannel, [this](std::string_view, Bytes bytes) {
     if (const auto status = decode_recorder_status(bytes)) take(*status);

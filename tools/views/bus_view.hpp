@@ -16,7 +16,7 @@
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/types/clocks.hpp"
 #include "common/types/exchange.hpp"
 #include "host/recorder/alarm_watch.hpp"
@@ -50,7 +50,7 @@ class BusView {
   /// Basis of the newest estimate, as far as all of it was heard.
   std::vector<std::string> remarks() const;
   /// Effect of the weights, if the analyser has the drive before them.
-  const std::array<std::optional<WheelVerification>, kWheels>& verification() const { return verification_; }
+  const std::array<std::optional<WeightCheck>, kWheels>& weight_check() const { return weight_check_; }
   const std::map<std::int32_t, Level>& levels() const { return levels_; }
   /// By wheel and node.
   const std::map<std::pair<std::int32_t, std::int32_t>, OrderReport>& orders() const { return orders_; }
@@ -89,7 +89,7 @@ class BusView {
   std::array<std::optional<Balance>, kWheels> balance_;
   std::array<std::optional<Compensation>, kWheels> compensation_;
   std::map<std::int32_t, Remark> remarks_;  ///< by number
-  std::array<std::optional<WheelVerification>, kWheels> verification_;
+  std::array<std::optional<WeightCheck>, kWheels> weight_check_;
   std::map<std::int32_t, Level> levels_;
   std::map<std::pair<std::int32_t, std::int32_t>, OrderReport> orders_;
   std::map<std::int32_t, Heartbeat> heartbeats_;

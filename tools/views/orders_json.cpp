@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "host/analysis/orders/angle_variance.hpp"
+#include "host/analysis/orders/angle_uncertainty.hpp"
 #include "host/analysis/orders/order_peaks.hpp"
 #include "tools/views/degrees.hpp"
 
@@ -43,11 +43,11 @@ Json magnitude_json(const OrderSpectrum& spectrum, double order) {
 }
 
 /// null where the drive does not determine it.
-Json vector_json(const MeanVector& vector, double order, const AngleVariance& doubt) {
+Json vector_json(const MeanVector& vector, double order, const AngleUncertainty& uncertainty) {
   const auto confidence = vector.confidence();
-  const bool phase = confidence && confidence->phase_rad && doubt.located;
+  const bool phase = confidence && confidence->phase_rad && uncertainty.located;
   const auto reach_rad = [&] {
-    return std::hypot(*confidence->phase_rad, kNinetyFivePercent * order * doubt.common_sigma_rad);
+    return std::hypot(*confidence->phase_rad, kNinetyFivePercent * order * uncertainty.common_sigma_rad);
   };
   return {{"amplitude", vector.count() > 0 ? Json(std::abs(vector.mean())) : Json()},
           {"amplitude_95", confidence ? Json(confidence->amplitude) : Json()},
@@ -65,13 +65,13 @@ Json spectrum_json(const OrderSpectrum& spectrum) {
 }
 
 /// The Vold-Kalman filter's result for the same order; null: it was not asked for, or not for this order.
-Json crossing_json(const RecordOrders& found, const RotorOrders& rotor, const AngleVariance& doubt, int c,
-                   double order) {
+Json crossing_json(const RecordOrders& found, const RotorOrders& rotor, const AngleUncertainty& uncertainty,
+                   int c, double order) {
   for (const auto& crossing : found.crossing) {
     if (crossing->node().id != rotor.node().id) continue;
     const auto* of = crossing->find(rotor.rotor().name, rotor.channel()[static_cast<std::size_t>(c)], order);
     if (!of) continue;
-    Json json = vector_json(of->all, order, doubt);
+    Json json = vector_json(of->all, order, uncertainty);
     json["bandwidth_hz"] = crossing->bandwidth_hz();
     json["seconds"] = of->used_s;
     json["together_s"] = of->together_s;
@@ -79,7 +79,7 @@ Json crossing_json(const RecordOrders& found, const RotorOrders& rotor, const An
     const double class_m_s = crossing->class_hz(rotor.rotor().name) * rotor.way_m();
     for (const auto& [place, vector] : of->by_speed) {
       Json speed{{"from_m_s", place * class_m_s}, {"to_m_s", (place + 1) * class_m_s}};
-      speed.update(vector_json(vector, order, doubt));
+      speed.update(vector_json(vector, order, uncertainty));
       json["by_speed"].push_back(speed);
     }
     return json;
@@ -87,14 +87,14 @@ Json crossing_json(const RecordOrders& found, const RotorOrders& rotor, const An
   return nullptr;
 }
 
-Json channel_json(const RecordOrders& found, const RotorOrders& rotor, const AngleVariance& doubt, int c,
-                  bool waterfall) {
+Json channel_json(const RecordOrders& found, const RotorOrders& rotor, const AngleUncertainty& uncertainty,
+                  int c, bool waterfall) {
   const double way_m = rotor.way_m();
   const ChannelConfig& channel = rotor.node().channel[rotor.channel()[static_cast<std::size_t>(c)]];
   Json json{{"channel", channel.name}, {"unit", channel.role == ChannelRole::kRoad ? "m" : "m/s^2"}};
   const OrderSpectrum spectrum = rotor.waterfall().spectrum(c);
   for (std::size_t i = 0; i < rotor.order().size(); ++i) {
-    if (doubt.by_speed) {
+    if (uncertainty.by_speed) {
       Json magnitude{{"order", rotor.order()[i]}, {"phase_lasts", false}};
       magnitude.update(magnitude_json(spectrum, rotor.order()[i]));
       magnitude["by_speed"] = Json::array();
@@ -103,15 +103,15 @@ Json channel_json(const RecordOrders& found, const RotorOrders& rotor, const Ang
     }
     const OrderVectors::Result result = rotor.vectors().result(c, i);
     Json order{{"order", rotor.order()[i]}, {"phase_lasts", rotor.vectors().has_phase(i)}};
-    order.update(vector_json(result.all, rotor.order()[i], doubt));
+    order.update(vector_json(result.all, rotor.order()[i], uncertainty));
     order["by_speed"] = Json::array();
     for (const auto& one : result.by_speed) {
       Json speed{{"from_m_s", one.from_hz * way_m}, {"to_m_s", one.to_hz * way_m}};
-      speed.update(vector_json(one.vector, rotor.order()[i], doubt));
+      speed.update(vector_json(one.vector, rotor.order()[i], uncertainty));
       order["by_speed"].push_back(speed);
     }
     if (!found.crossing.empty())
-      order["vold_kalman"] = crossing_json(found, rotor, doubt, c, rotor.order()[i]);
+      order["vold_kalman"] = crossing_json(found, rotor, uncertainty, c, rotor.order()[i]);
     json["orders"].push_back(order);
   }
   json["peaks"] = Json::array();
@@ -138,36 +138,38 @@ std::string text(const char* format, double value) {
 
 nlohmann::ordered_json rotor_json(const RecordOrders& found, const RotorOrders& rotor, bool waterfall) {
   const RotorOrders::Seconds seconds = rotor.seconds();
-  const AngleVariance doubt = doubt_of(found, rotor.rotor());
-  Json json{{"wheel", rotor.rotor().name},
-            {"node", rotor.node().name},
-            {"ratio", rotor.rotor().ratio},
-            {"seconds", seconds.recorded},
-            {"no_angle_s", seconds.no_angle},
-            {"uncertain_angle_s", seconds.uncertain},
-            {"too_slow_s", seconds.slow},
-            {"gaps", rotor.gaps()},
-            {"angle_located", doubt.located},
-            {"angle_sigma_deg", doubt.counted && doubt.located ? Json(degrees(doubt.sigma_rad)) : Json()},
-            {"angle_common_sigma_deg",
-             doubt.counted && doubt.located ? Json(degrees(doubt.common_sigma_rad)) : Json()},
-            {"remark", remark_on(found, rotor)}};
+  const AngleUncertainty uncertainty = angle_uncertainty(found, rotor.rotor());
+  Json json{
+      {"wheel", rotor.rotor().name},
+      {"node", rotor.node().name},
+      {"ratio", rotor.rotor().ratio},
+      {"seconds", seconds.recorded},
+      {"no_angle_s", seconds.no_angle},
+      {"uncertain_angle_s", seconds.uncertain},
+      {"too_slow_s", seconds.slow},
+      {"gaps", rotor.gaps()},
+      {"angle_located", uncertainty.located},
+      {"angle_sigma_deg",
+       uncertainty.counted && uncertainty.located ? Json(degrees(uncertainty.sigma_rad)) : Json()},
+      {"angle_common_sigma_deg",
+       uncertainty.counted && uncertainty.located ? Json(degrees(uncertainty.common_sigma_rad)) : Json()},
+      {"remark", remark_on(found, rotor)}};
   for (int c = 0; c < std::ssize(rotor.channel()); ++c)
-    json["channels"].push_back(channel_json(found, rotor, doubt, c, waterfall));
+    json["channels"].push_back(channel_json(found, rotor, uncertainty, c, waterfall));
   return json;
 }
 
 std::string remark_on(const RecordOrders& found, const RotorOrders& rotor) {
   if (std::string refusal = rotor.refusal(); !refusal.empty()) return refusal;
   const Rotor& turns = rotor.rotor();
-  const AngleVariance doubt = doubt_of(found, turns);
-  if (doubt.by_speed)
+  const AngleUncertainty uncertainty = angle_uncertainty(found, turns);
+  if (uncertainty.by_speed)
     return "the bus tells its speed only: orders to a few per cent and their magnitudes, from the spectrum, "
            "but no "
            "angle, and no place for a weight";
-  if (!doubt.contradiction.empty())
-    return doubt.contradiction + " Until then magnitudes, but no angle, and no place for a weight";
-  if (!doubt.located)
+  if (!uncertainty.contradiction.empty())
+    return uncertainty.contradiction + " Until then magnitudes, but no angle, and no place for a weight";
+  if (!uncertainty.located)
     return "no zero mark says where it stands: magnitudes of what turns with it, but no angle, and no place "
            "for a "
            "weight";
@@ -184,10 +186,10 @@ std::string remark_on(const RecordOrders& found, const RotorOrders& rotor) {
                "another "
                "drive's",
                1.0 / turns.known_share);
-  if (doubt.counted)
+  if (uncertainty.counted)
     return text("angle from a counter on the bus: an instant is known to %.2f degrees",
-                degrees(doubt.sigma_rad)) +
-           text(", the mean to %.2f degrees (sigma)", degrees(doubt.common_sigma_rad));
+                degrees(uncertainty.sigma_rad)) +
+           text(", the mean to %.2f degrees (sigma)", degrees(uncertainty.common_sigma_rad));
   return "";
 }
 

@@ -4,7 +4,7 @@
 #include "tools/views/alarm_lines.hpp"
 #include "tools/views/compensation_json.hpp"
 #include "tools/views/order_lines.hpp"
-#include "tools/views/verification_line.hpp"
+#include "tools/views/weight_check_line.hpp"
 #include "tools/views/wheels_json.hpp"
 
 namespace roadbalance {
@@ -160,13 +160,13 @@ Json watch_json(const BusView& view) {
   for (const auto& [node, fit] : view.clocks()) clocks.push_back(clock_json(fit));
   Json orders = Json::array();
   for (const auto& [key, report] : view.orders()) orders.push_back(order_report_json(report));
-  Json verification = Json::array();
-  for (const auto& wheel : view.verification())
-    if (wheel) verification.push_back(wheel_verification_json(*wheel));
+  Json weight_check = Json::array();
+  for (const auto& wheel : view.weight_check())
+    if (wheel) weight_check.push_back(weight_check_json(*wheel));
   return {{"wheels", wheels(view)},
           {"compensation", compensation(view)},
           {"remarks", view.remarks()},
-          {"verification", verification},
+          {"verification", weight_check},
           {"recorders", recorders},
           {"nodes", nodes},
           {"clocks", clocks},

@@ -7,7 +7,7 @@
 #include "tools/views/clock_line.hpp"
 #include "tools/views/order_lines.hpp"
 #include "tools/views/readout.hpp"
-#include "tools/views/verification_line.hpp"
+#include "tools/views/weight_check_line.hpp"
 
 namespace roadbalance {
 namespace {
@@ -57,8 +57,7 @@ std::vector<std::string> watch_lines(const BusView& view) {
     if (!balance) continue;
     lines.push_back(balance_line(*balance));
     add(advice_lines(*balance, view.compensation(w)));
-    if (const auto& verification = view.verification()[w])
-      lines.push_back("  " + verification_line(*verification));
+    if (const auto& check = view.weight_check()[w]) lines.push_back("  " + weight_check_line(*check));
   }
   for (const std::string& remark : view.remarks()) lines.push_back("  * " + remark);
   for (const auto& [incarnation, status] : view.recorders()) add(recorder_lines(status, view.heartbeats()));

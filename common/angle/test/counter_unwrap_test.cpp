@@ -43,10 +43,10 @@ TEST(CounterUnwrap, FollowsTenBitsThroughWrapsInvalidCodesAndLostMessages) {
     ASSERT_EQ(counter.count(), count_at(t) - first) << n;
   }
   EXPECT_EQ(counter.run(), 1);
-  EXPECT_EQ(counter.tally().invalid, invalid);
-  EXPECT_EQ(counter.tally().joined, taken - 1);
-  EXPECT_EQ(counter.tally().wraps, (first + counter.count()) / 1024 - first / 1024);
-  EXPECT_GT(counter.tally().wraps, 50);
+  EXPECT_EQ(counter.counters().invalid, invalid);
+  EXPECT_EQ(counter.counters().joined, taken - 1);
+  EXPECT_EQ(counter.counters().wraps, (first + counter.count()) / 1024 - first / 1024);
+  EXPECT_GT(counter.counters().wraps, 50);
 }
 
 TEST(CounterUnwrap, JoinsNothingWhereAWrapMayHaveBeenMissedUnlessTheSpeedTellsIt) {
@@ -62,7 +62,7 @@ TEST(CounterUnwrap, JoinsNothingWhereAWrapMayHaveBeenMissedUnlessTheSpeedTellsIt
   EXPECT_EQ(blind, Outcome::kAmbiguous);
   EXPECT_EQ(alone.run(), 2);
   EXPECT_EQ(alone.count(), 0);
-  EXPECT_EQ(alone.tally().ambiguous, 1);
+  EXPECT_EQ(alone.counters().ambiguous, 1);
   const auto [seeing, told] = drive(RateBounds{.low_hz = 950.0, .high_hz = 1050.0});
   EXPECT_EQ(seeing, Outcome::kJoined);
   EXPECT_EQ(told.run(), 1);

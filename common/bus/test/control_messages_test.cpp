@@ -140,18 +140,18 @@ TEST(Results, ASpectrumArrivesWithAsManyBinsAsItHas) {
   ASSERT_TRUE(spectrum);
   EXPECT_EQ(spectrum->density, sent.density);
   EXPECT_EQ(spectrum->step_hz, 0.25);
-  EXPECT_EQ(spectrum->state, TransferState::kComputed);
+  EXPECT_EQ(spectrum->state, SpectralState::kComputed);
 }
 
 TEST(Results, ASpectrumThatIsNotKnownHasAReasonAndNoBins) {
-  SpectrumPart sent{.node = 1, .state = TransferState::kTooMuch};
+  SpectrumPart sent{.node = 1, .state = SpectralState::kTooMuch};
   ASSERT_TRUE(decode_spectrum(encode(sent)));
-  EXPECT_EQ(decode_spectrum(encode(sent))->state, TransferState::kTooMuch);
+  EXPECT_EQ(decode_spectrum(encode(sent))->state, SpectralState::kTooMuch);
   sent.density = {1.5f};
   EXPECT_FALSE(decode_spectrum(encode(sent)));
   sent.density.clear();
   for (const int state : {-1, 5}) {
-    sent.state = static_cast<TransferState>(state);
+    sent.state = static_cast<SpectralState>(state);
     EXPECT_FALSE(decode_spectrum(encode(sent))) << state;
   }
 }

@@ -43,13 +43,13 @@ std::uint32_t column_crc(const std::vector<ScanBlock>& blocks, std::size_t chann
 }
 
 TEST(JournalCounters, SaysWhatWasAppendedSinceTheEntryBefore) {
-  JournalCounters tally;
+  JournalCounters counters;
   std::vector<ScanBlock> blocks(3);
-  tally.add(scans(1, 0, 20, blocks[0]));
-  tally.add(scans(2, 20, 7, blocks[1]));
-  tally.add(gap(3, 27, 100, GapCause::kRingFull));
-  EXPECT_EQ(tally.due(), (std::vector<NodeEpoch>{{2, 7}}));
-  const Journal first = tally.take(2, 7);
+  counters.add(scans(1, 0, 20, blocks[0]));
+  counters.add(scans(2, 20, 7, blocks[1]));
+  counters.add(gap(3, 27, 100, GapCause::kRingFull));
+  EXPECT_EQ(counters.due(), (std::vector<NodeEpoch>{{2, 7}}));
+  const Journal first = counters.take(2, 7);
   EXPECT_EQ(first.first_sequence, 1);
   EXPECT_EQ(first.last_sequence, 3);
   EXPECT_EQ(first.first_scan, 0);
@@ -59,17 +59,17 @@ TEST(JournalCounters, SaysWhatWasAppendedSinceTheEntryBefore) {
   for (std::size_t channel = 0; channel < kChannels; ++channel)
     EXPECT_EQ(first.channel_crc[channel], column_crc({blocks[0], blocks[1]}, channel));
 
-  EXPECT_TRUE(tally.due().empty());
-  tally.add(gap(6, 127, 40, GapCause::kLostAtNode));  // covers 4 and 5 too
-  tally.add(scans(7, 167, 20, blocks[2]));
-  const Journal second = tally.take(2, 7);
+  EXPECT_TRUE(counters.due().empty());
+  counters.add(gap(6, 127, 40, GapCause::kLostAtNode));  // covers 4 and 5 too
+  counters.add(scans(7, 167, 20, blocks[2]));
+  const Journal second = counters.take(2, 7);
   EXPECT_EQ(second.first_sequence, 4);
   EXPECT_EQ(second.last_sequence, 7);
   EXPECT_EQ(second.first_scan, 127);
   EXPECT_EQ(second.next_scan, 187);
   EXPECT_EQ(second.channel_crc[5], column_crc({blocks[2]}, 5));
 
-  const Journal empty = tally.take(2, 7);
+  const Journal empty = counters.take(2, 7);
   EXPECT_EQ(empty.first_sequence, 8);
   EXPECT_EQ(empty.last_sequence, 7);
   EXPECT_EQ(empty.first_scan, 187);

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "common/bus/codec.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "firmware/test/vehicle.hpp"
 
@@ -44,7 +44,7 @@ class RingJudge : public ::testing::Test {
     test::ScriptedFrontEnd device(
         test::marked_scans(0, static_cast<std::int64_t>(kSeconds * kRate_hz), kRate_hz), edges);
     std::vector<ScanBlock> blocks;
-    seal_all(device, vehicle, vehicle.node[0], 1, [&](const SealedBlock& block) {
+    pack_epoch(device, vehicle, vehicle.node[0], 1, [&](const SealedBlock& block) {
       if (block.kind == BlockKind::kScan) blocks.push_back(decode_scan(block));
     });
     return blocks;

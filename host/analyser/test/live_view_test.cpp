@@ -9,7 +9,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/results.hpp"
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/test/bus_url.hpp"
 #include "host/analyser/test/noise_drive.hpp"
 
@@ -26,14 +26,14 @@ TEST(LiveView, TellsATransferFunctionToWhoAsksForItOnTheBus) {
         stop, url, car(), {}, [](const auto&) {}, make_channel<Ack>(1).first);
   });
   Bus bus(url);
-  std::optional<TransferPart> received;
+  std::optional<TransferFunctionPart> received;
   bool levels = false;
   bool too_short = false;
-  bus.subscribe(kTransferChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
-    const auto part = decode_transfer(bytes);
+  bus.subscribe(kTransferFunctionChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
+    const auto part = decode_transfer_function(bytes);
     ASSERT_TRUE(part);
-    if (part->state == TransferState::kComputed) received = part;
-    too_short = too_short || part->state == TransferState::kTooShort;
+    if (part->state == SpectralState::kComputed) received = part;
+    too_short = too_short || part->state == SpectralState::kTooShort;
   });
   bus.subscribe(kLevelChannel, [&](std::string_view, std::span<const std::uint8_t> bytes) {
     levels = levels || decode_level(bytes);

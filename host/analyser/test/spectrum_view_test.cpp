@@ -118,7 +118,7 @@ TEST_F(SpectrumViewTest, SaysOnceThatThereIsNothingYetOrNoSuchChannel) {
   ASSERT_EQ(parts.size(), 2U);
   for (const SpectrumPart& part : parts) {
     EXPECT_EQ(part.averages, 0);
-    EXPECT_EQ(part.state, part.node == 99 ? TransferState::kNoChannel : TransferState::kTooShort);
+    EXPECT_EQ(part.state, part.node == 99 ? SpectralState::kNoChannel : SpectralState::kTooShort);
     EXPECT_TRUE(part.density.empty());
   }
   EXPECT_TRUE(shown_.parts(begin_).empty());
@@ -152,18 +152,18 @@ TEST_F(SpectrumViewTest, SaysWhatIsMoreThanTheAnalyserHolds) {
     shown_.take(wide, now);
   };
   for (std::int64_t viewer = 1; viewer <= kViewers; ++viewer) ask(viewer, begin_);
-  std::map<TransferState, std::size_t> answered;
+  std::map<SpectralState, std::size_t> answered;
   for (const SpectrumPart& part : shown_.parts(begin_)) {
     ++answered[part.state];
     EXPECT_TRUE(part.density.empty());
   }
-  EXPECT_EQ(answered[TransferState::kTooShort], room);
-  EXPECT_EQ(answered[TransferState::kTooMuch], 2U * kViewers - room);
+  EXPECT_EQ(answered[SpectralState::kTooShort], room);
+  EXPECT_EQ(answered[SpectralState::kTooMuch], 2U * kViewers - room);
   // The others have left.
   ask(kViewers, begin_ + SpectrumView::kForgotten + 1ms);
   const auto parts = shown_.parts(begin_ + SpectrumView::kForgotten + 1ms);
   ASSERT_EQ(parts.size(), 2U);
-  for (const SpectrumPart& part : parts) EXPECT_EQ(part.state, TransferState::kTooShort);
+  for (const SpectrumPart& part : parts) EXPECT_EQ(part.state, SpectralState::kTooShort);
 }
 
 }  // namespace

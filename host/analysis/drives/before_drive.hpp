@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/process/channel.hpp"
-#include "host/analysis/balance/verification.hpp"
+#include "host/analysis/balance/check_weights.hpp"
 
 namespace roadbalance {
 

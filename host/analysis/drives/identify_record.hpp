@@ -68,7 +68,7 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
                                  const std::stop_token& stop = {});
 
 /// The same of a drive, or of many together, that has gone through identification.
-/// @param common_sigma_rad  doubt of each wheel's angle all through the drive
+/// @param common_sigma_rad  uncertainty of each wheel's angle all through the drive
 /// @param forces            of the estimate
 RecordedEstimate recorded_estimate(DriveEstimate estimate, const DriveForces& forces,
                                    const VehicleConfig& vehicle,

@@ -47,21 +47,21 @@ BodyMoments BodyInstrument::moments(const Eigen::Ref<const SignalMatrix>& signal
 std::array<ResponseVariance, kWheels> response_variance(const VehicleConfig& vehicle, double speed_m_s) {
   const Geometry geometry = geometry_of(vehicle.model);
   const ParameterVector nominal = nominal_parameters(vehicle);
-  std::array<ResponseVariance, kWheels> doubt;
+  std::array<ResponseVariance, kWheels> variance;
   for (int wheel = 0; wheel < kWheels; ++wheel) {
     const auto w = static_cast<std::size_t>(wheel);
     const double omega = speed_m_s / vehicle.wheel[w].rolling_radius_m;
     const BodyVector expected = response(linear_model(geometry, nominal), wheel, omega);
     for (int p = kSpring; p < kParameters; ++p) {
       ParameterVector changed = nominal;
-      changed(p) *= 1.0 + kParameterDoubt;
+      changed(p) *= 1.0 + kParameterSigma;
       const BodyVector change = response(linear_model(geometry, changed), wheel, omega) - expected;
       const Complex share = expected.dot(change) / expected.squaredNorm();
-      doubt[w].along += share.real() * share.real();
-      doubt[w].across += share.imag() * share.imag();
+      variance[w].along += share.real() * share.real();
+      variance[w].across += share.imag() * share.imag();
     }
   }
-  return doubt;
+  return variance;
 }
 
 }  // namespace roadbalance

@@ -39,9 +39,9 @@ class BodyInstrument {
 };
 
 /// Accuracy of the springs, dampers, stabilisers and tyres of vehicle.toml, one standard deviation.
-inline constexpr double kParameterDoubt = 0.1;
+inline constexpr double kParameterSigma = 0.1;
 
-/// Variance of the relative error that this doubt leaves in the unbalance of one wheel at `omega`.
+/// Variance of the relative error that this leaves in the unbalance of one wheel at `omega`.
 struct ResponseVariance {
   double along = 0.0;   ///< of the magnitude
   double across = 0.0;  ///< of the angle, rad^2

@@ -65,7 +65,7 @@ double few_groups_factor(double groups);
 /// The same where only the size of C, not its form, was taken from n drives, in both its components: the
 /// quantile of F(2, 2 (n - 1)) in place of chi^2.
 ///
-/// @param drives  n; fewer than two count as two, for below there is no end to the doubt
+/// @param drives  n; fewer than two count as two, for below that the uncertainty has no bound
 double few_drives_factor(double drives);
 
 }  // namespace roadbalance

@@ -110,7 +110,7 @@ double equal_groups(const std::vector<DriveMoments>& groups) {
   Eigen::VectorXd weight(std::ssize(groups));
   for (Eigen::Index g = 0; g < weight.size(); ++g)
     weight(g) = unbalance_weight(groups[static_cast<std::size_t>(g)]);
-  constexpr double kLeast = 4.0;  // below it there is no end to the doubt
+  constexpr double kLeast = 4.0;  // below it the uncertainty has no bound
   return weight.squaredNorm() > 0.0 ? std::max(kLeast, equal_parts(weight)) : kLeast;
 }
 

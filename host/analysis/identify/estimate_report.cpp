@@ -174,10 +174,10 @@ void EstimateReport::publish_balances(const UnknownVector& x, const EstimateCova
 }
 
 void EstimateReport::add_variance_of_parameters(const DriveMoments& drive) {
-  const auto doubt = response_variance(vehicle_, drive.speed_seconds / drive.seconds);
+  const auto variance = response_variance(vehicle_, drive.speed_seconds / drive.seconds);
   for (std::size_t w = 0; w < kWheels; ++w)
     if (estimate_.balance[w].state == Unknown::kNone)
-      add_variance(estimate_.balance[w], doubt[w].along, doubt[w].across);
+      add_variance(estimate_.balance[w], variance[w].along, variance[w].across);
 }
 
 }  // namespace roadbalance

@@ -21,7 +21,7 @@ using CheckResiduals = Eigen::Matrix<double, kWheels, kWheelChecks>;
 CheckResiduals check_residuals(const DriveMoments& moments, const UnknownVector& x, const Geometry& geometry,
                                const ParameterVector& known);
 
-/// GoodnessOfFit of two residuals of one kind.
+/// Goodness of fit of two residuals of one kind.
 struct GoodnessOfFit {
   double square = 0.0;                             ///< r' C^-1 r
   double chance = 1.0;                             ///< that residuals of a model that fits show as much

@@ -72,7 +72,7 @@ void StretchCollector::take_second() {
   }
 }
 
-/// Callbacks over the first `samples`, if they are enough.
+/// Hands over the first `samples`, if they are enough.
 void StretchCollector::close(Eigen::Index samples) {
   samples -= samples % second_;  // what take_second has seen
   if (samples == 0 || samples < least_) return;

@@ -204,9 +204,9 @@ void analyse(const std::filesystem::path& folder, Job job, RecordOrders& result)
   result.defects = read_recording(
       folder, [](const VehicleConfig&) {},
       [&](const SealedBlock& block) {
-        const SealedBlock& reprocess = angles.reprocess(block);
-        for (const auto& rotor : rotors) rotor->consume(reprocess);
-        for (const auto& one : crossing) one->consume(reprocess);
+        const SealedBlock& reprocessed = angles.reprocess(block);
+        for (const auto& rotor : rotors) rotor->consume(reprocessed);
+        for (const auto& one : crossing) one->consume(reprocessed);
       },
       [&](const ClockFit& fit) {
         for (const auto& rotor : rotors) rotor->consume(fit);

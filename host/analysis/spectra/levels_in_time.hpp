@@ -10,7 +10,7 @@
 
 namespace roadbalance {
 
-/// Callbacks on the levels of all nodes of a record in the order of their time.
+/// Hands on the levels of all nodes of a record in the order of their time.
 ///
 /// A record holds blocks as they came: after a cable was pulled one node's are those of long ago, and where
 /// time runs faster than real, nodes are not in step at all.
@@ -25,7 +25,7 @@ class LevelsInTime {
   void take(const ClockFit& fit);
   /// @param epoch  of the node's blocks; while its clock is not known, a level's time is when it came
   void take(std::int64_t epoch, const Level& level);
-  /// Callbacks on what waits; at the end of the record.
+  /// Hands on what waits; at the end of the record.
   void flush();
 
  private:

@@ -18,15 +18,15 @@ std::size_t SpectraPool::bytes(const Kind& kind) {
   return CrossSpectra::bytes(static_cast<int>(kind.channel.size()), kind.segment);
 }
 
-TransferState SpectraPool::begin(const Kind& kind) {
-  if (kind.channel.empty()) return TransferState::kNoChannel;
-  if (spectra_.contains(kind)) return TransferState::kComputed;
+SpectralState SpectraPool::begin(const Kind& kind) {
+  if (kind.channel.empty()) return SpectralState::kNoChannel;
+  if (spectra_.contains(kind)) return SpectralState::kComputed;
   const std::size_t held =
       std::accumulate(spectra_.begin(), spectra_.end(), std::size_t{0},
                       [](std::size_t sum, const auto& one) { return sum + bytes(one.first); });
   if (spectra_.size() >= limits_.most || bytes(kind) > limits_.most_bytes ||
       held + bytes(kind) > limits_.most_bytes_all)
-    return TransferState::kTooMuch;
+    return SpectralState::kTooMuch;
   std::vector<ChannelPlace> places;
   for (const ChannelId& id : kind.channel) places.push_back(place_.at(id));
   auto& joint = spectra_[kind];
@@ -37,7 +37,7 @@ TransferState SpectraPool::begin(const Kind& kind) {
                                                                 .memory = kind.memory,
                                                                 .hold_peaks = kind.hold_peaks});
   for (const auto& [node, fit] : newest_fit_) joint->consume(fit);
-  return TransferState::kComputed;
+  return SpectralState::kComputed;
 }
 
 const JointSpectra* SpectraPool::find(const Kind& kind) const {
@@ -60,9 +60,9 @@ void SpectraPool::consume(const ClockFit& fit) {
   for (auto& [kind, joint] : spectra_) joint->consume(fit);
 }
 
-TransferState state_of(const JointSpectra& spectra) {
-  if (spectra.spectra().averages() > 0) return TransferState::kComputed;
-  return spectra.refusal().empty() ? TransferState::kTooShort : TransferState::kNoCommonTime;
+SpectralState state_of(const JointSpectra& spectra) {
+  if (spectra.spectra().averages() > 0) return SpectralState::kComputed;
+  return spectra.refusal().empty() ? SpectralState::kTooShort : SpectralState::kNoCommonTime;
 }
 
 }  // namespace roadbalance

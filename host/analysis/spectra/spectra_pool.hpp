@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "common/bus/transfer_report.hpp"
+#include "common/bus/transfer_function_report.hpp"
 #include "common/config/vehicle_config.hpp"
 #include "common/types/block.hpp"
 #include "common/types/exchange.hpp"
@@ -40,7 +40,7 @@ class SpectraPool {
   /// Such a channel is there and in use.
   bool has(const ChannelId& channel) const { return place_.contains(channel); }
   /// kComputed: there is one from now on.
-  TransferState begin(const Kind& kind);
+  SpectralState begin(const Kind& kind);
   /// nullptr if it was not begun.
   const JointSpectra* find(const Kind& kind) const;
   void keep_only(const std::function<bool(const Kind&)>& wanted);
@@ -60,6 +60,6 @@ class SpectraPool {
 };
 
 /// State of such spectra; kComputed if anything was averaged.
-TransferState state_of(const JointSpectra& spectra);
+SpectralState state_of(const JointSpectra& spectra);
 
 }  // namespace roadbalance

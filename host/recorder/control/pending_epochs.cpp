@@ -10,7 +10,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kHeard{1000};
 constexpr milliseconds kLongSilence{10'000};
 constexpr milliseconds kAgain{5000};
-constexpr milliseconds kKnown{1000};
+constexpr milliseconds kCacheLife{1000};
 constexpr std::size_t kMostHeard = 4 * kMostNodes;  // whatever the bus brings
 
 bool holds_something(const NodeReport& epoch) {
@@ -92,10 +92,10 @@ const PendingEpochs::Heard* PendingEpochs::heard_now(const PendingEpoch& epoch, 
 }
 
 bool PendingEpochs::is_of(const std::string& recording, std::int64_t incarnation, WallTime now) {
-  std::erase_if(known_, [now](const auto& one) { return now - one.second.at >= kKnown; });
-  const auto [known, is_new] = known_.try_emplace({recording, incarnation}, Known{.at = now});
-  if (is_new) known->second.is_of = is_of_(recording, incarnation);
-  return known->second.is_of;
+  std::erase_if(is_of_cache_, [now](const auto& one) { return now - one.second.at >= kCacheLife; });
+  const auto [cached, is_new] = is_of_cache_.try_emplace({recording, incarnation}, CachedResult{.at = now});
+  if (is_new) cached->second.is_of = is_of_(recording, incarnation);
+  return cached->second.is_of;
 }
 
 // It is heard, and obeys no recorder or this recording.

@@ -79,7 +79,7 @@ class PendingEpochs {
     bool holds_samples = false;
     bool is_settled = false;
   };
-  struct Known {
+  struct CachedResult {
     WallTime at{};
     bool is_of = false;
   };
@@ -96,7 +96,7 @@ class PendingEpochs {
   std::map<NodeEpoch, Heard> heard_;          // within the last kLongSilence
   std::map<std::string, WallTime> tried_at_;  // [recording]
   // Latest results of is_of_, for it reads a disk: [recording, incarnation].
-  std::map<std::pair<std::string, std::int64_t>, Known> known_;
+  std::map<std::pair<std::string, std::int64_t>, CachedResult> is_of_cache_;
   std::string recording_;
   EpochScope scope_;
   std::unique_ptr<Session> session_;

@@ -10,7 +10,7 @@
 namespace roadbalance {
 namespace {
 
-constexpr const char* kName = "vehicle.toml of the excerpt";
+constexpr const char* kName = "vehicle.toml of the subset";
 constexpr std::uint32_t kAllReferences = ((1U << kReferences) - 1) << kAccelerations;
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {

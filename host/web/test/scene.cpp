@@ -17,14 +17,14 @@
 #include "common/bus/clock_messages.hpp"
 #include "common/bus/compensation.hpp"
 #include "common/bus/control_messages.hpp"
-#include "common/bus/knock.hpp"
 #include "common/bus/operation.hpp"
 #include "common/bus/recorder_status.hpp"
 #include "common/bus/recording.hpp"
 #include "common/bus/remark.hpp"
 #include "common/bus/results.hpp"
 #include "common/bus/setup.hpp"
-#include "common/bus/verification.hpp"
+#include "common/bus/tap.hpp"
+#include "common/bus/weight_check.hpp"
 #include "common/process/stop_on_signal.hpp"
 
 // rb-web-scene URL SCENE: publishes on the bus, 25 times a second, the messages of a car in the wanted state,
@@ -38,11 +38,11 @@ constexpr std::int64_t kIncarnation = 1'763'741'000'000;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Scene {
-  bool known = true;      ///< the unbalances
-  bool armed = false;     ///< a recording has ended, with a receipt; the next may begin
-  bool verified = false;  ///< a drive before weights were fitted is known
-  bool analysed = true;   ///< an analyser is there: levels and results
-  bool trouble = false;   ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
+  bool known = true;     ///< the unbalances
+  bool armed = false;    ///< a recording has ended, with a receipt; the next may begin
+  bool checked = false;  ///< a drive before weights were fitted is known
+  bool analysed = true;  ///< an analyser is there: levels and results
+  bool trouble = false;  ///< disk full, samples lost, clock held over, overload, dead channel, faulty turns
   bool disk_is_away = false;
   bool device_is_gone = false;  ///< of node 2
 };
@@ -53,7 +53,7 @@ constexpr std::array kAfter_g{2.0, 42.1, 70.0, 35.0}, kAfterDegrees{80.0, 270.0,
 const std::map<std::string_view, Scene> kScenes{{"known", {}},
                                                 {"armed", {.armed = true}},
                                                 {"unknown", {.known = false}},
-                                                {"verified", {.verified = true}},
+                                                {"checked", {.checked = true}},
                                                 {"unanalysed", {.analysed = false}},
                                                 {"trouble", {.trouble = true}},
                                                 {"disk away", {.disk_is_away = true}},
@@ -165,8 +165,8 @@ Balance balance(const Scene& scene, std::int32_t wheel) {
     return balance;
   }
   balance.state = Unknown::kNone;
-  balance.unbalance_g = scene.verified ? kAfter_g[w] : kGrams[w];
-  balance.angle_rad = (scene.verified ? kAfterDegrees[w] : kDegrees[w]) * kDegree;
+  balance.unbalance_g = scene.checked ? kAfter_g[w] : kGrams[w];
+  balance.angle_rad = (scene.checked ? kAfterDegrees[w] : kDegrees[w]) * kDegree;
   // Wheels 2 and 4 are done: better than the wanted 2 g.
   const double scale = w % 2 == 0 ? 1.0 : 0.36;
   balance.covariance_g2 << 9.0 * scale, 2.0 * scale, 2.0 * scale, 4.0 * scale;
@@ -200,7 +200,7 @@ Compensation compensation(const Scene& scene, const Balance& of) {
   constexpr WeightPlace kOuter{0.19, WeightKind::kClip, RimPlane::kOuter};
   constexpr WeightPlace kInner{0.19, WeightKind::kClip, RimPlane::kInner};
   constexpr WeightPlace kStuck{0.19, WeightKind::kAdhesive, RimPlane::kInner};
-  switch (scene.verified && of.wheel == 0 ? 3 : of.wheel) {
+  switch (scene.checked && of.wheel == 0 ? 3 : of.wheel) {
     case 0:
     case 1:
       plan.advice = Advice::kSteps;
@@ -231,21 +231,21 @@ Identification identification(const Scene& scene) {
 }
 
 /// 217 degrees and 35 g before; 2 g, the mirrored place, the heavy spot itself, no effect.
-WheelVerification verification(std::int32_t wheel) {
+WeightCheck weight_check(std::int32_t wheel) {
   constexpr std::array kPlacements{WeightPlacement::kAsWanted, WeightPlacement::kMirrored,
                                    WeightPlacement::kOpposite, WeightPlacement::kNoEffect};
-  constexpr std::array kVerdicts{VerificationVerdict::kGood, VerificationVerdict::kMore,
-                                 VerificationVerdict::kMore, VerificationVerdict::kUnchanged};
+  constexpr std::array kVerdicts{WeightCheckVerdict::kGood, WeightCheckVerdict::kMore,
+                                 WeightCheckVerdict::kMore, WeightCheckVerdict::kUnchanged};
   const auto w = static_cast<std::size_t>(wheel);
-  WheelVerification v{.wheel = wheel,
-                      .time_ns = 1,
-                      .state = VerificationState::kKnown,
-                      .verdict = kVerdicts[w],
-                      .placement = kPlacements[w],
-                      .weight_radius_m = 0.19,
-                      .reduction = 1.0 - kAfter_g[w] / 35.0,
-                      .sigma_reduction = 0.04,
-                      .text = "2026-11-22-first"};
+  WeightCheck v{.wheel = wheel,
+                .time_ns = 1,
+                .state = WeightCheckState::kKnown,
+                .verdict = kVerdicts[w],
+                .placement = kPlacements[w],
+                .weight_radius_m = 0.19,
+                .reduction = 1.0 - kAfter_g[w] / 35.0,
+                .sigma_reduction = 0.04,
+                .text = "2026-11-22-first"};
   v.before_g << 35.0 * std::cos(217 * kDegree), 35.0 * std::sin(217 * kDegree);
   v.after_g << kAfter_g[w] * std::cos(kAfterDegrees[w] * kDegree),
       kAfter_g[w] * std::sin(kAfterDegrees[w] * kDegree);
@@ -281,13 +281,13 @@ NodeSetup setup(int node) {
 }
 
 /// Upwards on the channel that is mounted upside down, whose wires are right; repeated.
-Knock knock(const Scene& scene, std::int64_t number) {
-  Knock knock{.node = 2, .time_ns = 1, .number = number, .channel = scene.trouble ? 1 : 11};
-  knock.first_m_s2.fill(0.02);
-  knock.peak_m_s2.fill(0.03);
-  knock.first_m_s2[static_cast<std::size_t>(knock.channel)] = -4.0;
-  knock.peak_m_s2[static_cast<std::size_t>(knock.channel)] = 5.0;
-  return knock;
+Tap tap(const Scene& scene, std::int64_t number) {
+  Tap tap{.node = 2, .time_ns = 1, .number = number, .channel = scene.trouble ? 1 : 11};
+  tap.first_m_s2.fill(0.02);
+  tap.peak_m_s2.fill(0.03);
+  tap.first_m_s2[static_cast<std::size_t>(tap.channel)] = -4.0;
+  tap.peak_m_s2[static_cast<std::size_t>(tap.channel)] = 5.0;
+  return tap;
 }
 
 RecordingSummary recording(const Scene& scene, std::int32_t number) {
@@ -319,11 +319,11 @@ RecordingSummary recording(const Scene& scene, std::int32_t number) {
   return summary;
 }
 
-/// Setups, the last knock, recordings, remarks and the effect of weights.
+/// Setups, the last tap, recordings, remarks and the effect of weights.
 void publish_knowledge(Bus& bus, const Scene& scene) {
-  static std::int64_t knocks = 0;
+  static std::int64_t taps = 0;
   for (int node = 1; node <= 2; ++node) bus.publish(setup_channel(node), encode(setup(node)));
-  bus.publish(kKnockChannel, encode(knock(scene, ++knocks)));
+  bus.publish(kTapChannel, encode(tap(scene, ++taps)));
   for (std::int32_t number = 0; number < 3; ++number)
     bus.publish(kRecordingChannel, encode(recording(scene, number)));
   const std::vector<std::string> sentences{
@@ -331,9 +331,9 @@ void publish_knowledge(Bus& bus, const Scene& scene) {
       "static unbalance only: couple unbalance leaves no trace in vertical sensors"};
   for (const Remark& remark : remarks_of(0, scene.known ? sentences : std::vector<std::string>()))
     bus.publish(kRemarkChannel, encode(remark));
-  if (scene.verified)
+  if (scene.checked)
     for (std::int32_t wheel = 0; wheel < kWheels; ++wheel)
-      bus.publish(kVerificationChannel, encode(verification(wheel)));
+      bus.publish(kWeightCheckChannel, encode(weight_check(wheel)));
 }
 
 void publish_all(Bus& bus, const Scene& scene) {

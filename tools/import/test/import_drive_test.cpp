@@ -15,7 +15,7 @@
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "embedded/demo_vehicle.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/drives/identify_record.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
@@ -102,8 +102,8 @@ TEST_F(ImportDrive, WithPulsesComesToTheResultOfTheNodesThemselves) {
   DriveEstimator direct(vehicle_);
   for (const NodeConfig& node : vehicle_.node) {
     log_.push_back(read_all(*drive(vehicle_, node)));
-    seal_all(*drive(vehicle_, node), vehicle_, node, node.id,
-             [&](const SealedBlock& block) { direct.consume(block); });
+    pack_epoch(*drive(vehicle_, node), vehicle_, node, node.id,
+               [&](const SealedBlock& block) { direct.consume(block); });
   }
   ASSERT_EQ(log_[0].scans.size(), log_[1].scans.size());
 

@@ -54,9 +54,9 @@ TEST(BusDistance, OfARealCarByItsCounterAndByItsSpeeds) {
   EXPECT_EQ(counter.messages, 2487);
   EXPECT_EQ(counter.counts, 20'900);
   EXPECT_EQ(counter.step, 4);
-  EXPECT_EQ(counter.tally.wraps, (29 + 20'900) / 256);  // the first code is 29
+  EXPECT_EQ(counter.counters.wraps, (29 + 20'900) / 256);  // the first code is 29
   EXPECT_EQ(counter.runs, 1);
-  EXPECT_EQ(counter.tally.invalid + counter.tally.out_of_order, 0);
+  EXPECT_EQ(counter.counters.invalid + counter.counters.out_of_order, 0);
   EXPECT_NEAR(counter.metres, 20'900 * 0.04905, 1e-9);
 
   const auto published = published_distances();
@@ -86,7 +86,7 @@ TEST(BusDistance, CountsNothingAcrossAHoleInWhichTheCounterMayHaveWrapped) {
   });
   const BusDistance distance = bus_distance(log, rav4_dbc(), "SPEED.ENCODER", std::nullopt);
   EXPECT_EQ(distance.counter.runs, 2);
-  EXPECT_EQ(distance.counter.tally.ambiguous, 1);
+  EXPECT_EQ(distance.counter.counters.ambiguous, 1);
   EXPECT_EQ(distance.speed[4].silences, 1);
   EXPECT_NEAR(distance.counter.seconds, distance.speed[4].seconds, 0.1);
   EXPECT_NEAR(distance.counter.metres, distance.speed[4].metres, 1.0);
@@ -104,7 +104,7 @@ TEST(BusDistance, TakesTheCodesOfTheDbcFileForNoCount) {
     log.push_back(logged);
   }
   const BusDistance distance = bus_distance(log, dbc, "W.PULSES", 0.02);
-  EXPECT_EQ(distance.counter.tally.invalid, 20);
+  EXPECT_EQ(distance.counter.counters.invalid, 20);
   EXPECT_EQ(distance.counter.counts, 40 * 198);
   EXPECT_EQ(distance.counter.runs, 1);
   EXPECT_TRUE(distance.speed.empty());

@@ -14,7 +14,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "sim/front_end.hpp"
 #include "tools/rb/test/run_rb.hpp"
@@ -33,7 +33,7 @@ class CalibrationCommands : public testing::Test {
   }
   void record(FrontEnd& device, const VehicleConfig& vehicle, const NodeConfig& node) {
     RecordWriter writer({.folder = record_});
-    seal_all(device, vehicle, node, 9, [&](const SealedBlock& block) { writer.append(block, 1000); });
+    pack_epoch(device, vehicle, node, 9, [&](const SealedBlock& block) { writer.append(block, 1000); });
     writer.close();
   }
 

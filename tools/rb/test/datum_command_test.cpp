@@ -17,7 +17,7 @@
 #include "common/test/bus_url.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 #include "sim/pulse_train.hpp"
@@ -150,8 +150,8 @@ std::vector<SealedBlock> drive(const VehicleConfig& told, const std::string& sce
   for (std::size_t n = 0; n < told.node.size(); ++n) {
     const auto device =
         sim::open_sim_front_end({scenario + "?seed=5&seconds=160&rate=max", truth, truth.node[n]});
-    seal_all(*device, told, told.node[n], told.node[n].id,
-             [&](const SealedBlock& block) { blocks.push_back(block); });
+    pack_epoch(*device, told, told.node[n], told.node[n].id,
+               [&](const SealedBlock& block) { blocks.push_back(block); });
   }
   return blocks;
 }

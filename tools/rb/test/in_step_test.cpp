@@ -13,7 +13,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/drives/identify_record.hpp"
 #include "sim/front_end.hpp"
 #include "sim/truth.hpp"
@@ -53,8 +53,8 @@ class InStep : public testing::Test {
     for (const NodeConfig& node : vehicle.node) {
       const auto device =
           sim::open_sim_front_end({scenario_ + "?seed=4&seconds=200&rate=max", vehicle, node});
-      seal_all(*device, vehicle, node, node.id,
-               [&](const SealedBlock& block) { writer.append(block, 1000); });
+      pack_epoch(*device, vehicle, node, node.id,
+                 [&](const SealedBlock& block) { writer.append(block, 1000); });
     }
     writer.close();
     found_ = identify_record(record_);

@@ -10,7 +10,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "sim/front_end.hpp"
 
 namespace roadbalance::test {
@@ -29,8 +29,8 @@ inline void record_scenario(const std::filesystem::path& folder, const VehicleCo
   RecordWriter writer({.folder = folder});
   for (const NodeConfig& node : vehicle.node) {
     const auto device = sim::open_sim_front_end({scenario + "&rate=max", vehicle, node});
-    seal_all(*device, vehicle, node, first_epoch + node.id,
-             [&](const SealedBlock& block) { writer.append(block, 1000); });
+    pack_epoch(*device, vehicle, node, first_epoch + node.id,
+               [&](const SealedBlock& block) { writer.append(block, 1000); });
   }
   writer.close();
 }

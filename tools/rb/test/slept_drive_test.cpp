@@ -9,7 +9,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/sleep_gaps.hpp"
 #include "host/analysis/drives/identify_record.hpp"
 #include "host/recording/verify/verify.hpp"
@@ -66,7 +66,8 @@ TEST(SleptDrive, IsIdentifiedAsWellAsItsDeviationsSay) {
         {scenario + "?seed=" + std::to_string(kSeed) + "&seconds=260&rate=max", vehicle, node});
     Sleeping sleeping(*device);
     SleepGaps numbered(sleeping, node.rate_hz, [&] { return sleeping.slept(); });
-    seal_all(numbered, vehicle, node, node.id, [&](const SealedBlock& block) { writer.append(block, 1000); });
+    pack_epoch(numbered, vehicle, node, node.id,
+               [&](const SealedBlock& block) { writer.append(block, 1000); });
   }
   writer.close();
   const Verification verified = verify_record(record);

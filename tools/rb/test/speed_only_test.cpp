@@ -18,7 +18,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 
 namespace roadbalance {
@@ -62,11 +62,11 @@ class SpeedOnly : public testing::Test {
     }
     RecordWriter writer({.folder = record_});
     const VehicleConfig vehicle = car();
-    seal_all(device, vehicle, vehicle.node[0], 7,
-             [&](const SealedBlock& block) { writer.append(block, 1000); });
+    pack_epoch(device, vehicle, vehicle.node[0], 7,
+               [&](const SealedBlock& block) { writer.append(block, 1000); });
     test::ScriptedFrontEnd rear(test::marked_scans(0, 120'000, 2000.0), {});
-    seal_all(rear, vehicle, vehicle.node[1], 8,
-             [&](const SealedBlock& block) { writer.append(block, 1000); });
+    pack_epoch(rear, vehicle, vehicle.node[1], 8,
+               [&](const SealedBlock& block) { writer.append(block, 1000); });
     writer.close();
   }
   Child rb(std::vector<std::string> arguments) {

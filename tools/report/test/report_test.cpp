@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-#include "host/analysis/balance/verification.hpp"
+#include "host/analysis/balance/check_weights.hpp"
 #include "tools/report/report_html.hpp"
 #include "tools/report/report_wheel.hpp"
 #include "tools/views/verification_json.hpp"
@@ -102,15 +102,15 @@ TEST(Report, DrawsTheHeavySpotMirroredOnTheOtherSide) {
 TEST(Report, DrawsWhatWasBeforeTheWeightsMirroredLikeAllElse) {
   const DriveReport of = report();
   for (const std::size_t w : {0U, 1U}) {
-    WheelVerification before{.wheel = static_cast<std::int32_t>(w)};
-    before.state = VerificationState::kKnown;
+    WeightCheck before{.wheel = static_cast<std::int32_t>(w)};
+    before.state = WeightCheckState::kKnown;
     before.before_g << 0.0, 17.5;  // at 90 degrees, half of the full scale
     const auto& balance = of.found.estimate.balance[w];
     const std::string svg = wheel_svg(balance, of.found.compensation[w], 35.0, &before);
     EXPECT_TRUE(says(
         svg, w == 0 ? "class=\"before\" d=\"M0 0L-20.00 -0.00\"" : "class=\"before\" d=\"M0 0L20.00 -0.00\""))
         << svg;
-    before.state = VerificationState::kBeforeUnknown;
+    before.state = WeightCheckState::kBeforeUnknown;
     EXPECT_FALSE(says(wheel_svg(balance, of.found.compensation[w], 35.0, &before), "class=\"before\""));
   }
 }
@@ -272,11 +272,11 @@ TEST(Report, ListsTheAlarmsOfTheRecordTheWorstFirst) {
 TEST(Report, TellsBeforeAndAfterIfBothWereDriven) {
   DriveReport of = report();
   EXPECT_FALSE(says(report_html(of), "Before and after"));
-  of.verification = reading_before("drive0", of.found.estimate.balance);
-  of.verification->at(0).state = VerificationState::kKnown;
-  of.verification->at(0).verdict = VerificationVerdict::kGood;
-  of.verification->at(0).before_g << 35.0, 0.0;
-  of.verification->at(0).reduction = 1.0;
+  of.weight_check = reading_before("drive0", of.found.estimate.balance);
+  of.weight_check->at(0).state = WeightCheckState::kKnown;
+  of.weight_check->at(0).verdict = WeightCheckVerdict::kGood;
+  of.weight_check->at(0).before_g << 35.0, 0.0;
+  of.weight_check->at(0).reduction = 1.0;
   EXPECT_TRUE(says(report_html(of), "Before and after"));
   EXPECT_TRUE(says(report_html(of), "before (drive0) 35.0 g, now 0.0 g: 100 % less"));
 }

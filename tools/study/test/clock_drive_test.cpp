@@ -13,8 +13,8 @@
 #include "common/test/bus_url.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "embedded/demo_vehicle.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/node.hpp"
-#include "firmware/seal_all.hpp"
 #include "host/analysis/angle/read_with_angles.hpp"
 #include "host/analysis/identify/assemble.hpp"
 #include "host/recorder/recorder.hpp"
@@ -62,7 +62,7 @@ class ClockDrive : public testing::Test {
     AngleReprocessor angles(vehicle_, AngleReprocessor::WithoutMark::kNoAngle, teeth);
     for (const NodeConfig& node : vehicle_.node) {
       const auto device = sim::open_sim_front_end({scenario_ + "?rate=max&seed=4", vehicle_, node});
-      seal_all(*device, vehicle_, node, 1, [&](const SealedBlock& block) { blocks.push_back(block); });
+      pack_epoch(*device, vehicle_, node, 1, [&](const SealedBlock& block) { blocks.push_back(block); });
     }
     for (const SealedBlock& block : blocks) angles.learn(block);
     for (const SealedBlock& block : blocks) assembler.consume(angles.reprocess(block));

@@ -13,7 +13,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "sim/front_end.hpp"
 #include "sim/truth.hpp"
 #include "tools/rb/test/run_rb.hpp"
@@ -48,8 +48,8 @@ class IdentifyWith : public testing::Test {
       const auto device = sim::open_sim_front_end(
           {"?seed=" + std::to_string(kSeed) + "&seconds=" + std::to_string(seconds) + "&rate=max", vehicle,
            node});
-      seal_all(*device, vehicle, node, node.id,
-               [&](const SealedBlock& block) { writer.append(block, 1000); });
+      pack_epoch(*device, vehicle, node, node.id,
+                 [&](const SealedBlock& block) { writer.append(block, 1000); });
     }
     writer.close();
     truth_ = sim::truth_of("", kSeed, vehicle);

@@ -11,7 +11,7 @@
 
 #include "common/frontend/registry.hpp"
 #include "common/test/source.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
 
@@ -29,7 +29,7 @@ const std::vector<SealedBlock>& blocks() {
     std::vector<SealedBlock> list;
     for (const NodeConfig& node : car().node) {
       const auto front_end = sim::open_sim_front_end({"?seed=5&seconds=110&rate=max", car(), node});
-      seal_all(*front_end, car(), node, node.id, [&](const SealedBlock& block) { list.push_back(block); });
+      pack_epoch(*front_end, car(), node, node.id, [&](const SealedBlock& block) { list.push_back(block); });
     }
     return list;
   }();

@@ -80,24 +80,24 @@ TEST_F(BusViewTest, ShowsWhatTheNewestEstimateRestsOn) {
 
 TEST_F(BusViewTest, ShowsWhatWeightsHaveDone) {
   hear(kBalanceChannel, encode(Balance{.wheel = 1}));
-  WheelVerification wheel{.wheel = 1,
-                          .state = VerificationState::kKnown,
-                          .verdict = VerificationVerdict::kGood,
-                          .placement = WeightPlacement::kAsWanted,
-                          .reduction = 0.94,
-                          .sigma_reduction = 0.021,
-                          .text = "drive1"};
+  WeightCheck wheel{.wheel = 1,
+                    .state = WeightCheckState::kKnown,
+                    .verdict = WeightCheckVerdict::kGood,
+                    .placement = WeightPlacement::kAsWanted,
+                    .reduction = 0.94,
+                    .sigma_reduction = 0.021,
+                    .text = "drive1"};
   wheel.before_g << 35.0, 0.0;
   wheel.after_g << 0.0, 2.1;
-  hear(kVerificationChannel, encode(wheel));
+  hear(kWeightCheckChannel, encode(wheel));
   EXPECT_TRUE(said("before (drive1) 35.0 g, now 2.1 g: 94 % less, ± 3 %; good"));
   const auto json = watch_json(view_).at("verification").at(0);
   EXPECT_EQ(json.at("wheel"), "front_right");
   EXPECT_EQ(json.at("verdict"), "good");
   EXPECT_EQ(json.at("placement"), "as_wanted");
-  wheel.state = VerificationState::kNotComparable;
+  wheel.state = WeightCheckState::kNotComparable;
   wheel.text = "another encoder";
-  hear(kVerificationChannel, encode(wheel));
+  hear(kWeightCheckChannel, encode(wheel));
   EXPECT_TRUE(said("no comparison: another encoder"));
   EXPECT_TRUE(watch_json(view_).at("verification").at(0).at("after_g").is_null());
 }

@@ -14,7 +14,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/test/scripted_front_end.hpp"
 #include "sim/pulse_train.hpp"
 
@@ -101,8 +101,8 @@ class SignalsInARecord : public testing::Test {
   static void record(FrontEnd& device, const std::string& folder) {
     RecordWriter writer({.folder = folder});
     const VehicleConfig vehicle = car();
-    seal_all(device, vehicle, vehicle.node[0], 7,
-             [&](const SealedBlock& block) { writer.append(block, 1000); });
+    pack_epoch(device, vehicle, vehicle.node[0], 7,
+               [&](const SealedBlock& block) { writer.append(block, 1000); });
     writer.close();
   }
   std::string rb(const std::vector<std::string>& arguments, int code) {

@@ -12,7 +12,7 @@
 #include "common/test/temporary_directory.hpp"
 #include "embedded/demo_vehicle.hpp"
 #include "firmware/backends/replay/front_end.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "sim/front_end.hpp"
 
 namespace roadbalance {
@@ -57,7 +57,8 @@ class Replay : public ::testing::Test {
  protected:
   Blocks seal(FrontEnd& device, std::int64_t epoch = kEpoch) {
     Blocks blocks;
-    seal_all(device, vehicle, node, epoch, [&](const SealedBlock& block) { blocks.block.push_back(block); });
+    pack_epoch(device, vehicle, node, epoch,
+               [&](const SealedBlock& block) { blocks.block.push_back(block); });
     return blocks;
   }
   Blocks drive(const Altered::Alter& alter = [](Scan&) {}) {

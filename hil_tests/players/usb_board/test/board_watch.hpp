@@ -15,7 +15,7 @@
 #include "common/frontend/registry.hpp"
 #include "firmware/backends/usb/usb_device.hpp"
 #include "firmware/backends/usb/usb_front_end.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "firmware/test/vehicle.hpp"
 #include "hil_tests/players/usb_board/usb_boards.hpp"
 #include "hil_tests/program.hpp"
@@ -182,7 +182,7 @@ class BoardWatch final : private FrontEnd {
   }
 
   void seal() {
-    seal_all(*this, vehicle_, vehicle_.node[0], 7, [this](const SealedBlock& block) {
+    pack_epoch(*this, vehicle_, vehicle_.node[0], 7, [this](const SealedBlock& block) {
       if (block.kind == BlockKind::kGap) gaps_.push_back(decode_gap(block));
       if (block.kind == BlockKind::kEnd) end_ = decode_end(block);
     });

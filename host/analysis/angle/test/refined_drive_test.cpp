@@ -11,7 +11,7 @@
 
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/angle/angle_reprocessor.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/front_end.hpp"
@@ -32,8 +32,8 @@ TEST(RefinedDrive, IsIdentifiedAsWellAsLiveOrBetter) {
   for (std::size_t n = 0; n < blocks.size(); ++n) {
     const auto device =
         sim::open_sim_front_end({path + "?seed=1&seconds=160&rate=max", vehicle, vehicle.node[n]});
-    seal_all(*device, vehicle, vehicle.node[n], vehicle.node[n].id,
-             [&](const SealedBlock& block) { blocks[n].push_back(block); });
+    pack_epoch(*device, vehicle, vehicle.node[n], vehicle.node[n].id,
+               [&](const SealedBlock& block) { blocks[n].push_back(block); });
   }
   AngleReprocessor angles(vehicle, AngleReprocessor::WithoutMark::kNoAngle, AngleReprocessor::Teeth::kAgain);
   std::size_t most = 0;
@@ -41,15 +41,15 @@ TEST(RefinedDrive, IsIdentifiedAsWellAsLiveOrBetter) {
     for (const SealedBlock& block : of_node) angles.learn(block);
     most = std::max(most, of_node.size());
   }
-  DriveEstimator live(vehicle), reprocess(vehicle);
+  DriveEstimator live(vehicle), reprocessed(vehicle);
   for (std::size_t i = 0; i < most; ++i)
     for (const auto& of_node : blocks) {
       if (i >= of_node.size()) continue;
       live.consume(of_node[i]);
-      reprocess.consume(angles.reprocess(of_node[i]));
+      reprocessed.consume(angles.reprocess(of_node[i]));
     }
   const sim::Truth truth = sim::truth_of(path, 1, vehicle);
-  const auto before = live.estimate(), after = reprocess.estimate();
+  const auto before = live.estimate(), after = reprocessed.estimate();
   for (std::size_t w = 0; w < kWheels; ++w) {
     const auto error_deg = [&](const Balance& balance) {
       return std::abs(std::remainder(balance.angle_rad * kDegrees - truth.wheel[w].angle_deg, 360.0));

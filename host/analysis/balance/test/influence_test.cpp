@@ -108,7 +108,7 @@ TEST(BalanceByInfluence, KnowsItsUncertainty) {
 }
 
 TEST(BalanceByInfluence, KnowsWhatAPhaseReferenceCostsThatIsOffInAWholeRun) {
-  // Two channels and one plane, so that both kinds of doubt are in both sums; drawn by its own solution.
+  // Two channels and one plane, so that both kinds of uncertainty are in both sums; drawn by its solution.
   const Eigen::Vector2cd bare(at(2.0, 40), at(1.0, 170)), influence(at(0.5, -70), at(0.3, 20));
   const Complex trial = 3.0;
   constexpr double kSigma_rad = 0.03, kSigma = 0.02;

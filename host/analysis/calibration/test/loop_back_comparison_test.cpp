@@ -11,7 +11,7 @@
 #include "common/bus/codec.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "sim/front_end.hpp"
 
 namespace roadbalance {
@@ -38,8 +38,8 @@ std::vector<SealedBlock> drive(const VehicleConfig& fitted, const VehicleConfig&
   const auto device =
       sim::open_sim_front_end({scenario + "?seed=5&seconds=60&rate=max", fitted, fitted.node[0]});
   std::vector<SealedBlock> blocks;
-  seal_all(*device, described, described.node[0], 9,
-           [&](const SealedBlock& block) { blocks.push_back(block); });
+  pack_epoch(*device, described, described.node[0], 9,
+             [&](const SealedBlock& block) { blocks.push_back(block); });
   return blocks;
 }
 

@@ -47,7 +47,7 @@ class Grouped {
     return sum;
   }
 
-  static constexpr std::size_t kLeastGroups = 4;  ///< fewer: there is no end to the doubt
+  static constexpr std::size_t kLeastGroups = 4;  ///< fewer: the uncertainty has no bound
 
   /// Covariance of the result of `solve` by the groups, widened because they are few; nothing: they
   /// are too few.

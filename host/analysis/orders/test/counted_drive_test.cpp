@@ -13,10 +13,10 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analyser/live_orders.hpp"
 #include "host/analysis/drives/identify_record.hpp"
-#include "host/analysis/orders/angle_variance.hpp"
+#include "host/analysis/orders/angle_uncertainty.hpp"
 #include "host/analysis/orders/orders_of_record.hpp"
 #include "sim/front_end.hpp"
 
@@ -85,8 +85,8 @@ class CountedDrive : public testing::Test {
     for (const NodeConfig& node : vehicle.node) {
       const auto front_end = sim::open_sim_front_end(
           {folder_ / "scenario.toml?seed=5&rate=max&seconds=" + std::to_string(seconds), vehicle, node});
-      seal_all(*front_end, described, node, node.id,
-               [&](const SealedBlock& block) { writer.append(block, 1000); });
+      pack_epoch(*front_end, described, node, node.id,
+                 [&](const SealedBlock& block) { writer.append(block, 1000); });
     }
     writer.close();
     return record;
@@ -176,10 +176,11 @@ TEST_F(CountedDrive, WhoseMarksContradictOneAnotherIsAsGoodAsOneWithout) {
   EXPECT_EQ(rotor.known_share, 0.0);
   EXPECT_FALSE(counter.rotor[0]->vectors().has_phase(0));
   EXPECT_GT(counter.rotor[0]->vectors().result(0, 0).all.count(), 50) << "magnitudes there are";
-  const AngleVariance doubt = doubt_of(counter, rotor);
-  EXPECT_FALSE(doubt.located);
-  EXPECT_NE(doubt.contradiction.find("front_left: of its"), std::string::npos) << doubt.contradiction;
-  EXPECT_NE(doubt.contradiction.find("is pulses_per_turn right?"), std::string::npos);
+  const AngleUncertainty uncertainty = angle_uncertainty(counter, rotor);
+  EXPECT_FALSE(uncertainty.located);
+  EXPECT_NE(uncertainty.contradiction.find("front_left: of its"), std::string::npos)
+      << uncertainty.contradiction;
+  EXPECT_NE(uncertainty.contradiction.find("is pulses_per_turn right?"), std::string::npos);
 
   const RecordedEstimate identified = identify_record(folder);
   EXPECT_NE(identified.estimate.balance[0].state, Unknown::kNone);

@@ -13,7 +13,7 @@
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "common/vehicle/linear_model.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/analysis/orders/order_peaks.hpp"
 #include "host/analysis/orders/rotor_orders.hpp"
 #include "sim/front_end.hpp"
@@ -64,7 +64,7 @@ class SimulatedDrive : public testing::Test {
     ASSERT_EQ(node.channel[2].name, "fl_carrier_z");
     const auto front_end =
         sim::open_sim_front_end({folder_ / "scenario.toml?seed=5&rate=max", vehicle(), node});
-    seal_all(*front_end, vehicle(), node, 1, take);
+    pack_epoch(*front_end, vehicle(), node, 1, take);
   }
   void drive(const std::string& text) {
     drive(text, [&](const SealedBlock& block) { orders_.consume(block); });

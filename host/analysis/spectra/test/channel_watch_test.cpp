@@ -15,7 +15,7 @@
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
 #include "common/types/scan.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "host/recording/levels.hpp"
 #include "sim/front_end.hpp"
 
@@ -41,7 +41,7 @@ std::vector<Level> drive(double speed_km_h, const Spoil& spoil) {
     int blocks = 0;
     const auto front_end =
         sim::open_sim_front_end({folder / "scenario.toml?seed=5&rate=max", vehicle(), node});
-    seal_all(*front_end, vehicle(), node, 1, [&](const SealedBlock& block) {
+    pack_epoch(*front_end, vehicle(), node, 1, [&](const SealedBlock& block) {
       if (block.kind != BlockKind::kScan) return;
       ScanBlock scans = decode_scan(block);
       spoil(scans);

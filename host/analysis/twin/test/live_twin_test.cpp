@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/test/source.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "sim/front_end.hpp"
 #include "sim/truth.hpp"
 
@@ -38,7 +38,7 @@ const std::vector<std::vector<SealedBlock>>& blocks() {
       const auto device = sim::open_sim_front_end(
           {"?seed=" + std::to_string(kSeed) + "&seconds=" + std::to_string(kSeconds) + "&rate=max", vehicle(),
            node});
-      seal_all(*device, vehicle(), node, node.id, [&](const SealedBlock& block) {
+      pack_epoch(*device, vehicle(), node, node.id, [&](const SealedBlock& block) {
         if (block.kind == BlockKind::kScan) own.push_back(block);
       });
     }

@@ -12,7 +12,7 @@
 #include "common/record/record_writer.hpp"
 #include "common/test/source.hpp"
 #include "common/test/temporary_directory.hpp"
-#include "firmware/seal_all.hpp"
+#include "firmware/epoch_packer.hpp"
 #include "sim/front_end.hpp"
 #include "sim/truth.hpp"
 
@@ -37,8 +37,8 @@ class TwinRecord : public testing::Test {
     for (const NodeConfig& node : vehicle().node) {
       const auto device = sim::open_sim_front_end(
           {"?seed=" + std::to_string(kSeed) + "&seconds=150&rate=max", vehicle(), node});
-      seal_all(*device, vehicle(), node, node.id,
-               [&](const SealedBlock& block) { writer.append(block, 1000); });
+      pack_epoch(*device, vehicle(), node, node.id,
+                 [&](const SealedBlock& block) { writer.append(block, 1000); });
     }
     writer.close();
   }

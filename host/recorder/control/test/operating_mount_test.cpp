@@ -109,7 +109,7 @@ TEST_F(OperatingMountTest, ARecordingThatHasRunIsContinuedAndNeverBegunBeneathIt
   run(milliseconds(3000));
   ASSERT_EQ(begun.size(), 2u);
   EXPECT_TRUE(begun[1].continues);
-  EXPECT_TRUE(beneath_is_empty()) << "the book is on the disk that is not mounted";
+  EXPECT_TRUE(beneath_is_empty()) << "the session state is on the disk that is not mounted";
   disk.mount(kRecordings);
   run(milliseconds(2000));
   const SessionState state = read_session_state(kRecordings, disk);

@@ -241,7 +241,8 @@ TEST_F(SessionControllerTest, RemembersTheIncarnationsOfRecordingsThatAreOver) {
   controller.ended({Receipt{.incarnation = kNow / 1000 + 500, .name = "drive"}}, {}, kNow, kNow / 1000 + 500);
   EXPECT_EQ(controller.past(), (std::vector<PastRecording>{{"drive", kNow / 1000, kNow / 1000 + 500}}));
   controller.owe({{"drive", 2, 77}});
-  EXPECT_EQ(this->controller().pending(), (std::vector<PendingEpoch>{{"drive", 2, 77}})) << "in the book";
+  EXPECT_EQ(this->controller().pending(), (std::vector<PendingEpoch>{{"drive", 2, 77}}))
+      << "in the session state";
 }
 
 // Owed again at each turn, for what is not in the session state is unknown: nothing may be pushed out or

@@ -26,7 +26,8 @@ class SessionControllerTest : public ::testing::Test {
     return SessionController(
         {.store =
              [this](const SessionState& now) {
-               if (disk_fails) throw std::system_error(ENOSPC, std::generic_category(), "write book");
+               if (disk_fails)
+                 throw std::system_error(ENOSPC, std::generic_category(), "write session state");
                state = now;
              },
          .taken_by =

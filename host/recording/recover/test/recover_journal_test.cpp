@@ -25,9 +25,9 @@ class RecoverJournalTest : public ::testing::Test {
   }
   // The counts of the recorder in this run so far.
   void count(std::int64_t first, std::int64_t last, std::int64_t repaired, std::int64_t refused) {
-    JournalCounters tally;
-    for (std::int64_t k = first; k <= last; ++k) tally.add(numbered_block(k));
-    Journal entry = tally.take(numbered_block(1).header.node, numbered_block(1).header.epoch);
+    JournalCounters counters;
+    for (std::int64_t k = first; k <= last; ++k) counters.add(numbered_block(k));
+    Journal entry = counters.take(numbered_block(1).header.node, numbered_block(1).header.epoch);
     entry.node_losses.repaired = repaired;
     entry.refused = refused;
     writer.append(kJournalChannel, encode(entry), 1);
@@ -70,9 +70,9 @@ TEST_F(RecoverJournalTest, ARunWithoutScansContradictsNothing) {
   SealedBlock sealed;
   seal(signals, sealed);
   writer.append(sealed, 1);
-  JournalCounters tally;
-  tally.add(sealed);
-  writer.append(kJournalChannel, encode(tally.take(sealed.header.node, sealed.header.epoch)), 1);
+  JournalCounters counters;
+  counters.add(sealed);
+  writer.append(kJournalChannel, encode(counters.take(sealed.header.node, sealed.header.epoch)), 1);
   EXPECT_EQ(recovered().contradictions, std::vector<std::string>());
 }
 

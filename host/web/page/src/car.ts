@@ -45,7 +45,7 @@ export class Car {
   readonly remarks = new Map<number, Heard<Remark>>();
   readonly knocks = new Map<number, Heard<Knock>>();
   readonly setups = new Map<number, Heard<Setup>>();
-  readonly verification = new Map<number, Heard<Verification>>();
+  readonly weightChecks = new Map<number, Heard<Verification>>();
   readonly recordings = new Map<number, Heard<Recording>>();
   /** By place. */
   readonly jobs = new Map<number, Heard<Job>>();
@@ -117,7 +117,7 @@ export class Car {
       }
       case kVerification.fingerprint: {
         const message = decode(kVerification, arrival);
-        this.verification.set(message.wheel, {message, atMs});
+        this.weightChecks.set(message.wheel, {message, atMs});
         break;
       }
       case kRecording.fingerprint: {
@@ -179,8 +179,8 @@ export class Car {
   }
 
   /** What weights have done to a wheel, of its newest balance: that of a recording before says nothing of this one. */
-  verificationOf(wheel: number): Verification | undefined {
-    const found = this.verification.get(wheel)?.message;
+  weightCheckOf(wheel: number): Verification | undefined {
+    const found = this.weightChecks.get(wheel)?.message;
     return found && found.time_ns === this.balance.get(wheel)?.message.time_ns ? found : undefined;
   }
 }

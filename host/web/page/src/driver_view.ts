@@ -7,7 +7,7 @@ import {stateWord, warnings, type Connection} from "./state";
 import {mass} from "./units";
 import type {View} from "./view";
 import {kWheelNames} from "./wheel_place";
-import {AlarmLevel, Unknown, VerificationVerdict} from "./wire";
+import {AlarmLevel, Unknown, WeightCheckVerdict} from "./wire";
 import {duration, progress, reason, verdictOf} from "./words";
 
 class Corner {
@@ -25,12 +25,12 @@ class Corner {
   draw(car: Car): void {
     const balance = car.balance.get(this.wheel)?.message;
     const known = balance?.state === Unknown.None;
-    const verification = car.verificationOf(this.wheel), [verdict = ""] = verdictOf(verification).split(/[:,]| than/);
+    const check = car.weightCheckOf(this.wheel), [verdict = ""] = verdictOf(check).split(/[:,]| than/);
     const how = progress(balance, car.advice(this.wheel), car.identification?.message);
     // A wheel that is known well may still be bad: no tick if its weights have not helped.
-    const isHelped = verdict === "" || ![VerificationVerdict.Unchanged, VerificationVerdict.More].includes(verification?.verdict ?? 0);
+    const isHelped = verdict === "" || ![WeightCheckVerdict.Unchanged, WeightCheckVerdict.More].includes(check?.verdict ?? 0);
     this.ring.draw(how, isHelped);
-    setAttributes(this.element, {"data-known": String(known), "data-verdict": verdict && (VerificationVerdict[verification?.verdict ?? 0] ?? "")});
+    setAttributes(this.element, {"data-known": String(known), "data-verdict": verdict && (WeightCheckVerdict[check?.verdict ?? 0] ?? "")});
     setText(this.verdict, verdict);
     setText(this.grams, known && balance ? mass(balance.unbalance_g) : "?");
     setText(this.sigma, known && balance ? ` ±\u00a0${mass(balance.sigma_g)}` : "");

@@ -52,7 +52,7 @@ export class PlotData {
   /** Calls itself this in what it asks: any number but 0 (view_t). */
   readonly viewer = anyNumber();
   readonly spectra = new Map<string, Assembly<Spectrum>>();
-  readonly transfers = new Map<string, Assembly<Transfer>>();
+  readonly transferFunctions = new Map<string, Assembly<Transfer>>();
   readonly envelopes = new Map<string, EnvelopeRing>();
   /** By class of speed. */
   readonly waterfalls = new Map<string, Map<number, Waterfall>>();
@@ -60,9 +60,9 @@ export class PlotData {
   readonly orders = new Map<string, Orders>();
 
   /** Only what is wanted is kept. */
-  want(spectra: readonly string[], transfers: readonly string[], envelopes: readonly string[], waterfalls: readonly string[]): void {
+  want(spectra: readonly string[], transferFunctions: readonly string[], envelopes: readonly string[], waterfalls: readonly string[]): void {
     keep(this.spectra, spectra, () => new Assembly<Spectrum>());
-    keep(this.transfers, transfers, () => new Assembly<Transfer>());
+    keep(this.transferFunctions, transferFunctions, () => new Assembly<Transfer>());
     keep(this.envelopes, envelopes, () => new EnvelopeRing());
     keep(this.waterfalls, waterfalls, () => new Map<number, Waterfall>());
   }
@@ -85,7 +85,7 @@ export class PlotData {
         const part = decode(kTransfer, arrival);
         const key = pairKey({node: part.input_node, channel: part.input_channel},
                             {node: part.output_node, channel: part.output_channel});
-        if (part.viewer === this.viewer) this.transfers.get(key)?.take(part);
+        if (part.viewer === this.viewer) this.transferFunctions.get(key)?.take(part);
         return true;
       }
       case kEnvelope.fingerprint: {
@@ -112,7 +112,7 @@ export class PlotData {
   size(): number {
     let size = 0;
     for (const {whole} of this.spectra.values()) size += 2 * joined(whole, ({density}) => density).length;
-    for (const {whole} of this.transfers.values()) size += 2 * 6 * joined(whole, ({input}) => input).length;
+    for (const {whole} of this.transferFunctions.values()) size += 2 * 6 * joined(whole, ({input}) => input).length;
     for (const rows of this.waterfalls.values()) size += rows.size * 272;
     return size + this.envelopes.size * 24_000 + this.orders.size * 120;
   }

@@ -9,7 +9,7 @@ import {frequencies, joined} from "./plot_data";
 import {Figure, figures, kColours, type Curve, type Marker} from "./plot_figure";
 import {curvesTable} from "./plot_save";
 import {kWheelNames} from "./wheel_place";
-import {TransferState, type Spectrum} from "./wire";
+import {SpectralState, type Spectrum} from "./wire";
 
 export type Quantity = "density" | "peak" | "rms";
 const kQuantities: Readonly<Record<Quantity, string>> = {
@@ -55,12 +55,12 @@ interface Density {
 
 /** Why there is no transfer function, or no spectrum; a reason that the analyser learns to give does not compile before it
  * has its sentence here. */
-export const kReasons: Readonly<Record<TransferState, string>> = {
-  [TransferState.Computed]: "",
-  [TransferState.TooShort]: "Not yet: a block without a gap or overload must be full first.",
-  [TransferState.NoChannel]: "The vehicle has no such channel in use.",
-  [TransferState.NoCommonTime]: "The nodes' samples do not lie on one grid of time: look at SYNC.",
-  [TransferState.TooMuch]: "The analyser holds no more: take shorter blocks or fewer channels, or close other pages.",
+export const kReasons: Readonly<Record<SpectralState, string>> = {
+  [SpectralState.Computed]: "",
+  [SpectralState.TooShort]: "Not yet: a block without a gap or overload must be full first.",
+  [SpectralState.NoChannel]: "The vehicle has no such channel in use.",
+  [SpectralState.NoCommonTime]: "The nodes' samples do not lie on one grid of time: look at SYNC.",
+  [SpectralState.TooMuch]: "The analyser holds no more: take shorter blocks or fewer channels, or close other pages.",
 };
 
 /** ", 2.0 s": how long a block takes, where the node has said how fast it samples. */
@@ -72,9 +72,9 @@ function blockTime(car: Car, id: ChannelId | undefined, {segment}: Spectral): st
 /** Why there is none of a channel. */
 function whyNone(part: Spectrum | undefined, car: Car, id: ChannelId, spectral: Spectral): string {
   if (!part) return "the analyser has not answered yet.";
-  if (part.state === TransferState.TooShort)
+  if (part.state === SpectralState.TooShort)
     return `not yet: a block of ${spectral.segment} samples without a gap or overload must be full first${blockTime(car, id, spectral)}.`;
-  return kReasons[part.state as TransferState] ?? "not known.";
+  return kReasons[part.state as SpectralState] ?? "not known.";
 }
 
 export class SpectrumPlot implements Plot {
@@ -119,7 +119,7 @@ export class SpectrumPlot implements Plot {
     wanted.forEach((id, k) => {
       const parts = car.plots.spectra.get(channelKey(id))?.whole ?? [];
       const [part] = parts;
-      if (!part || part.state !== TransferState.Computed) {
+      if (!part || part.state !== SpectralState.Computed) {
         why.push(` ${channelName(car, id)}: ${whyNone(part, car, id, spectral)}`);
         return;
       }

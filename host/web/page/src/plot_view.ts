@@ -12,7 +12,7 @@ import {csv, picture, save} from "./plot_save";
 import {kWindowNames, SpectrumPlot} from "./plot_spectrum";
 import {SpeedPlot} from "./plot_speed";
 import {TimePlot} from "./plot_time";
-import {TransferPlot} from "./plot_transfer";
+import {TransferFunctionPlot} from "./plot_transfer_function";
 import {WaterfallPlot} from "./plot_waterfall";
 import type {View} from "./view";
 import type {View as Question} from "./wire";
@@ -101,7 +101,7 @@ export class PlotView implements View {
     };
     this.spectral = new SpectralChoices(changed);
     const spectrum = new SpectrumPlot(changed);
-    this.plots = [spectrum, new TransferPlot(changed), new TimePlot(changed), new WaterfallPlot(changed), new PolarPlot(changed), new SpeedPlot()];
+    this.plots = [spectrum, new TransferFunctionPlot(changed), new TimePlot(changed), new WaterfallPlot(changed), new PolarPlot(changed), new SpeedPlot()];
     this.now = this.plots.find(({id}) => id === sessionStorage.getItem(kKept)) ?? spectrum;
     const button = (id: string, text: string, run: () => void, pressed = true) => {
       const made = el("button", {type: "button", id, ...(pressed ? {"aria-pressed": "false"} : {})}, [text]);

@@ -14,9 +14,9 @@ const polar = (wheel: number, radius: number, angle_rad: number) =>
   place(wheel, radius * Math.cos(angle_rad), radius * Math.sin(angle_rad));
 
 /** Grams that the rim stands for, so that the largest unbalance known fits in. */
-export function fullScale(balances: readonly Balance[], verifications: readonly Verification[]): number {
+export function fullScale(balances: readonly Balance[], checks: readonly Verification[]): number {
   const largest = Math.max(0, ...balances.filter(({state}) => state === Unknown.None)
-    .map(({unbalance_g, sigma_g}) => unbalance_g + 2.5 * sigma_g), ...verifications.map(({before_g}) => Math.hypot(...before_g)));
+    .map(({unbalance_g, sigma_g}) => unbalance_g + 2.5 * sigma_g), ...checks.map(({before_g}) => Math.hypot(...before_g)));
   return [5, 10, 20, 50, 100, 200, 500].find((scale) => scale >= largest) ?? 1000;
 }
 
@@ -72,15 +72,15 @@ export class WheelDrawing {
       ...face(wheel), this.ellipse, this.before, this.vector, this.weights, this.spot, this.unknown, this.scale]);
   }
 
-  draw(balance: Balance | undefined, plan: Compensation | undefined, rim_g: number, verification: Verification | undefined): void {
+  draw(balance: Balance | undefined, plan: Compensation | undefined, rim_g: number, check: Verification | undefined): void {
     const known = balance?.state === Unknown.None;
     setAttributes(this.element, {"data-known": String(known)});
     setText(this.scale, known ? `rim = ${weightMass(rim_g)}` : "");
     this.weights.replaceChildren();
     if (!known || !balance) return;
     const unit = kRim / rim_g;
-    const [cosine = 0, sine = 0] = verification?.before_g ?? [];
-    setAttributes(this.before, {d: verification ? `M0 0L${at(place(this.wheel, cosine * unit, sine * unit))}` : ""});
+    const [cosine = 0, sine = 0] = check?.before_g ?? [];
+    setAttributes(this.before, {d: check ? `M0 0L${at(place(this.wheel, cosine * unit, sine * unit))}` : ""});
     const mean = [balance.unbalance_g * Math.cos(balance.angle_rad), balance.unbalance_g * Math.sin(balance.angle_rad)] as const;
     const outline = ellipse95(mean, balance.covariance_g2, kEllipsePoints)
       .map(([c, s]) => at(place(this.wheel, c * unit, s * unit)));

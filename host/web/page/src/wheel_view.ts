@@ -7,8 +7,8 @@ import {unitSystem} from "./units";
 import type {View} from "./view";
 import {fullScale, WheelDrawing} from "./wheel_drawing";
 import {kWheelNames} from "./wheel_place";
-import {Advice, NodeState, Unknown, VerificationVerdict} from "./wire";
-import {basis, duration, heavySpot, progress, remarks, verified, whatIsLeft, whatToDo, whyIncurable, type Step} from "./words";
+import {Advice, NodeState, Unknown, WeightCheckVerdict} from "./wire";
+import {basis, duration, heavySpot, progress, remarks, weightCheckLines, whatIsLeft, whatToDo, whyIncurable, type Step} from "./words";
 
 /** Sentences with a quiet second line. */
 function setSteps(element: Element, steps: readonly Step[]): void {
@@ -32,7 +32,7 @@ class WheelCard {
   private readonly steps = el("div", {class: "steps"});
   private readonly left = el("p", {class: "left"});
   private readonly incurable = el("p", {class: "incurable"});
-  private readonly verified = el("div", {class: "verified"});
+  private readonly weightCheck = el("div", {class: "weight-check"});
   private drawn: readonly unknown[] = [];
 
   constructor(private readonly wheel: number, name: string) {
@@ -42,7 +42,7 @@ class WheelCard {
       el("div", {class: "text"}, [
         el("div", {class: "head"}, [this.ring.element, el("div", {}, [el("h3", {}, [name]), this.towards])]),
         this.age, this.incurable, this.steps, this.spot]),
-      el("div", {class: "more"}, [this.verified, this.left])]);
+      el("div", {class: "more"}, [this.weightCheck, this.left])]);
   }
 
   draw(car: Car, rim_g: number, nowMs: number): void {
@@ -54,12 +54,12 @@ class WheelCard {
     setText(this.age, isOld ? `OLD: from ${duration((nowMs - heard.atMs) / 1000)} ago` : "");
     const identification = car.identification?.message;
     const plan = car.advice(this.wheel);
-    const verification = car.verificationOf(this.wheel);
-    const wanted = [balance, plan, verification, identification, rim_g, unitSystem()];
+    const check = car.weightCheckOf(this.wheel);
+    const wanted = [balance, plan, check, identification, rim_g, unitSystem()];
     if (balance && wanted.every((one, k) => one === this.drawn[k])) return;
     this.drawn = wanted;
     setAttributes(this.element, {"data-known": String(balance?.state === Unknown.None)});
-    this.drawing.draw(balance, plan, rim_g, verification);
+    this.drawing.draw(balance, plan, rim_g, check);
     const how = progress(balance, plan, identification);
     this.ring.draw(how);
     setText(this.towards, how.text);
@@ -69,8 +69,8 @@ class WheelCard {
     const why = whyIncurable(plan);
     setText(this.incurable, !why ? ""
       : `WEIGHTS WILL NOT CURE THIS: ${why}.${plan?.advice === Advice.Steps ? " The best that weights do:" : ""}`);
-    setLines(this.verified, verified(verification));
-    setAttributes(this.verified, {"data-verdict": VerificationVerdict[verification?.verdict ?? 0] ?? ""});
+    setLines(this.weightCheck, weightCheckLines(check));
+    setAttributes(this.weightCheck, {"data-verdict": WeightCheckVerdict[check?.verdict ?? 0] ?? ""});
   }
 }
 
@@ -126,7 +126,7 @@ export class WheelView implements View {
   draw(nowMs: number): void {
     setText(this.basis, basis(this.car.identification?.message));
     const scale = fullScale([...this.car.balance.values()].map(({message}) => message),
-                            kWheelNames.flatMap((_, wheel) => this.car.verificationOf(wheel) ?? []));
+                            kWheelNames.flatMap((_, wheel) => this.car.weightCheckOf(wheel) ?? []));
     for (const card of this.cards) card.draw(this.car, scale, nowMs);
     const said = remarks(this.car);
     setLines(this.remarks, said);

@@ -4,7 +4,7 @@ import {utf8} from "./text";
 import {inUnits, length, mass, moment, speed, weightMass, withUnit} from "./units";
 import {clockPosition, degrees} from "./wheel_place";
 import {
-  Advice, RimPlane, Unknown, VerificationState, VerificationVerdict, WeightAction, WeightKind, WeightPlacement, type Balance, type Compensation,
+  Advice, RimPlane, Unknown, WeightCheckState, WeightCheckVerdict, WeightAction, WeightKind, WeightPlacement, type Balance, type Compensation,
   type Identification, type Verification,
 } from "./wire";
 
@@ -146,12 +146,12 @@ export function progress(balance: Balance | undefined, plan: Compensation | unde
           text: `${wholeSeconds(plan.seconds_wanted)} more for ${wanted}`};
 }
 
-const kVerdicts: Readonly<Record<VerificationVerdict, string>> = {
-  [VerificationVerdict.Open]: "Not known well enough yet: drive on",
-  [VerificationVerdict.Good]: "GOOD: no more is left than a shop leaves",
-  [VerificationVerdict.Less]: "Better, and more is left than a shop leaves",
-  [VerificationVerdict.Unchanged]: "NO BETTER than before",
-  [VerificationVerdict.More]: "WORSE than before",
+const kVerdicts: Readonly<Record<WeightCheckVerdict, string>> = {
+  [WeightCheckVerdict.Open]: "Not known well enough yet: drive on",
+  [WeightCheckVerdict.Good]: "GOOD: no more is left than a shop leaves",
+  [WeightCheckVerdict.Less]: "Better, and more is left than a shop leaves",
+  [WeightCheckVerdict.Unchanged]: "NO BETTER than before",
+  [WeightCheckVerdict.More]: "WORSE than before",
 };
 const kPlacements: Readonly<Record<WeightPlacement, string>> = {
   [WeightPlacement.NotJudged]: "",
@@ -165,19 +165,19 @@ const kPlacements: Readonly<Record<WeightPlacement, string>> = {
 
 /** What weights have done to a wheel; empty: nobody knows. */
 export const verdictOf = (of: Verification | undefined) =>
-  of?.state === VerificationState.Known ? kVerdicts[of.verdict as VerificationVerdict] : "";
+  of?.state === WeightCheckState.Known ? kVerdicts[of.verdict as WeightCheckVerdict] : "";
 
 /** The drive before the weights beside this one. */
-export function verified(of: Verification | undefined): string[] {
+export function weightCheckLines(of: Verification | undefined): string[] {
   if (!of) return [];
   const text = utf8(of.text, of.size);
   const grams = (vector: readonly number[]) => mass(Math.hypot(...vector));
-  switch (of.state as VerificationState) {
-    case VerificationState.ReadingBefore: return [`The drive before (${text}) is being read.`];
-    case VerificationState.NotComparable: return [`No comparison: ${text}.`];
-    case VerificationState.BeforeUnknown: return [`No comparison: the drive before (${text}) did not tell this wheel.`];
-    case VerificationState.AfterUnknown: return [`Before (${text}): ${grams(of.before_g)}; this drive does not tell it yet.`];
-    case VerificationState.Known: {
+  switch (of.state as WeightCheckState) {
+    case WeightCheckState.ReadingBefore: return [`The drive before (${text}) is being read.`];
+    case WeightCheckState.NotComparable: return [`No comparison: ${text}.`];
+    case WeightCheckState.BeforeUnknown: return [`No comparison: the drive before (${text}) did not tell this wheel.`];
+    case WeightCheckState.AfterUnknown: return [`Before (${text}): ${grams(of.before_g)}; this drive does not tell it yet.`];
+    case WeightCheckState.Known: {
       const [percent, sigma] = [100 * of.reduction, Math.max(1, Math.ceil(100 * of.sigma_reduction))];
       const by = percent >= 0 ? `${percent.toFixed(0)} % less` : `${(-percent).toFixed(0)} % more`;
       return [`Before ${grams(of.before_g)}, now ${grams(of.after_g)}: ${by}, ±\u00a0${sigma}\u00a0%. ` +

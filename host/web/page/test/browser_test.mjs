@@ -13,7 +13,7 @@ let browser;
 const scenes = {};
 before(async () => {
   browser = await launch();
-  for (const scene of ["known", "armed", "unknown", "verified", "trouble", "disk away"]) {
+  for (const scene of ["known", "armed", "unknown", "checked", "trouble", "disk away"]) {
     const url = busUrl();
     scenes[scene] = {car: start("rb-web-scene", url, scene), ...await startWeb(url)};
   }
@@ -124,7 +124,7 @@ test("says what to do while nothing is known", async (t) => {
 });
 
 test("tells what weights have done, and which mistake was made", async (t) => {
-  const page = await open(t, "verified");
+  const page = await open(t, "checked");
   assert.match(await text(page, "#wheel-1"), /Before 35\.0 g, now 2\.0 g: 94 % less, ± 4 %\. GOOD.*changed as the weights should/);
   assert.match(await text(page, "#wheel-2"), /WORSE than before.*MIRRORED at the valve/);
   assert.match(await text(page, "#wheel-3"), /AT the heavy spot/);
@@ -426,7 +426,7 @@ test("keeps the theme that was chosen, without a flash", async (t) => {
 });
 
 for (const [theme, colorScheme] of Object.entries(kThemes))
-  for (const scene of ["known", "armed", "unknown", "verified", "trouble"])
+  for (const scene of ["known", "armed", "unknown", "checked", "trouble"])
     test(`can be read: ${scene}, by ${theme}`, async (t) => {
       const page = await open(t, scene, {colorScheme});
       if (scene === "trouble") await page.locator("#lamp-SYNC").click();
@@ -442,7 +442,7 @@ for (const [theme, colorScheme] of Object.entries(kThemes))
     });
 
 test("prints the balance on one sheet of A4, dark theme or not", async (t) => {
-  for (const scene of ["known", "verified"]) {
+  for (const scene of ["known", "checked"]) {
     const page = await open(t, scene, {colorScheme: "dark", viewport: {width: 794, height: 1123}});
     await page.waitForFunction(() => document.querySelectorAll(".wheel[data-known=true]").length === 4);
     await page.emulateMedia({media: "print", colorScheme: "dark"});

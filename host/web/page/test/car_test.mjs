@@ -190,10 +190,10 @@ test("the pre-flight check names what is to be done", () => {
 test("what weights have done is said of the newest balance only", () => {
   const car = new page.Car();
   car.take(frame([page.kBalance, {wheel: 2, time_ns: 5}], [page.kVerification, {wheel: 2, time_ns: 5}]), 0);
-  assert.equal(car.verificationOf(2)?.time_ns, 5);
+  assert.equal(car.weightCheckOf(2)?.time_ns, 5);
   // The next recording, which nothing is compared with.
   car.take(frame([page.kBalance, {wheel: 2, time_ns: 6}]), 1000);
-  assert.equal(car.verificationOf(2), undefined);
+  assert.equal(car.weightCheckOf(2), undefined);
 });
 
 test("a device that is gone lights the lamp of loss as long as it is away, and the next drive waits for it", () => {

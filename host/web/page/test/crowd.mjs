@@ -71,8 +71,8 @@ class Splitter {
   }
 }
 
-/** Watches /feed and comes again whenever it is sent away. */
-export class Watcher {
+/** A client of /feed that connects again whenever it is disconnected. */
+export class WebSocketClient {
   frames = 0;
   #socket;
   #over = false;

@@ -10,14 +10,14 @@ import {test} from "node:test";
 import {setTimeout as sleep} from "node:timers/promises";
 import {BarePage} from "./bare_page.mjs";
 import {busUrl, launch, start, startWeb} from "./browser.mjs";
-import {MemoryTrend, Watcher, ownMemory, stall, uploads} from "./crowd.mjs";
+import {MemoryTrend, WebSocketClient, ownMemory, stall, uploads} from "./crowd.mjs";
 
 const kFull = process.env.RB_FULL === "1";
 const kDrive = kFull ? {seconds: 3600 * Number(process.env.RB_HOURS ?? 8), rate: 20} : {seconds: 140, rate: 4};
 const kRateHz = 2000;  // of the demonstration car's nodes
 /** Every view has been seen by then. */
 const kSettledMs = kFull ? 120_000 : 12_000;
-const kWatchers = 20, kUploadBytes = 100 << 20, kWithinMs = 60_000;
+const kClients = 20, kUploadBytes = 100 << 20, kWithinMs = 60_000;
 const kMiB = 1 << 20;
 const kViews = ["b", "p", "s", "e", "l", "?", "d"];
 const kPlots = ["time", "spectrum", "transfer", "waterfall", "polar", "speed"];
@@ -179,13 +179,13 @@ async function pour(drive) {
   await sleep(1000);
 }
 
-/** Who watched gets frames still, also from the rb-web that was killed, and the page draws. */
-async function allAreWell(looker, watchers) {
-  const frames = watchers.map((watcher) => watcher.frames);
+/** The clients get frames still, also from the rb-web that was killed, and the page draws. */
+async function allAreWell(looker, clients) {
+  const frames = clients.map((client) => client.frames);
   await looker.page.press("b");
   await looker.hasDrawn(await looker.drawn() + 10);
   await looker.page.picture("crowd-end");
-  for (const end = performance.now() + kWithinMs; watchers.some((watcher, k) => watcher.frames < frames[k] + 10); await sleep(100))
+  for (const end = performance.now() + kWithinMs; clients.some((client, k) => client.frames < frames[k] + 10); await sleep(100))
     assert.ok(performance.now() < end, "a page gets no frames any more");
 }
 
@@ -200,26 +200,26 @@ function verify(t, record) {
 }
 
 test("a crowd, sluggards, uploads, kills and reloads cost the record nothing, and memory stays flat", async (t) => {
-  const drive = new Drive(), browser = await launch(), watchers = [], looker = new Looker();
+  const drive = new Drive(), browser = await launch(), clients = [], looker = new Looker();
   t.after(async () => {
-    watchers.forEach((watcher) => watcher.leave());
+    clients.forEach((client) => client.leave());
     await Promise.all([browser.close(), looker.page.close()]);
     drive.clear();
   });
   await drive.begin();
-  for (let k = 0; k < kWatchers; ++k) watchers.push(new Watcher((k % 2 ? drive.doomed : drive.steady).port));
+  for (let k = 0; k < kClients; ++k) clients.push(new WebSocketClient((k % 2 ? drive.doomed : drive.steady).port));
   await looker.open(drive);
   const begin = performance.now();
   await Promise.all([drive.untilOver(), drive.keep(() => looker.round()), drive.keep(() => reload(drive, browser)),
                      drive.keep(() => killWeb(drive)), drive.keep(() => takeNothing(drive)), drive.keep(() => pour(drive))]);
   const took_s = (performance.now() - begin) / 1000;
-  await allAreWell(looker, watchers);
+  await allAreWell(looker, clients);
   await drive.end();
 
-  const frames = watchers.map((watcher) => watcher.frames);
+  const frames = clients.map((client) => client.frames);
   t.diagnostic(`${kDrive.seconds} s of driving in ${took_s.toFixed(0)} s: ${JSON.stringify(drive.counts)}`);
   t.diagnostic(`${(drive.mostTaken / kMiB).toFixed(1)} MiB of an upload left its sender at most; ` +
-    `${Math.min(...frames)} to ${Math.max(...frames)} frames for each of ${kWatchers} pages`);
+    `${Math.min(...frames)} to ${Math.max(...frames)} frames for each of ${kClients} pages`);
   t.diagnostic(`${looker}`);
   verify(t, drive.record);
   for (const [what, count] of Object.entries(drive.counts)) assert.ok(count > 0, what);

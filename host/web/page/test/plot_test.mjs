@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import {test} from "node:test";
 import {load} from "./load.mjs";
 
-const page = await load("plot_ring", "plot_data", "plot_ask", "encode", "decode", "transfer", "wire", "colour_map", "plot_time");
+const page = await load("plot_ring", "plot_data", "plot_ask", "encode", "decode", "transfer_function", "wire", "colour_map", "plot_time");
 
 const envelope = (first, values, epoch = 1) => ({
   node: 1, channel: 0, epoch, first, scans: 10, time_ns: first * 5e6, period_ps: 500_000_000, buckets: values.length,
@@ -128,7 +128,7 @@ const transfer = (coherence, delay_s, step_hz = 0.5, bins = 48) => {
 };
 
 test("H1, H2 and Hv are as far apart as the coherence says", () => {
-  const of = (estimator) => page.transferCurves(transfer(0.25, 0), estimator);
+  const of = (estimator) => page.transferFunctionCurves(transfer(0.25, 0), estimator);
   const near = (a, b) => assert.ok(Math.abs(a - b) < 1e-12, `${a} ${b}`);
   near(of("h1").magnitude[7], 0.5);
   near(of("h2").magnitude[7], 2);    // |H1| / coherence
@@ -141,11 +141,11 @@ test("H1, H2 and Hv are as far apart as the coherence says", () => {
   near(of("h1").phase_deg[7], 0);
   const lost = transfer(0.25, 0);
   lost[0].radius_95[7] = 0.6;
-  assert.equal(page.transferCurves(lost, "h1").phase_deg[7], null, "the circle holds 0");
-  assert.equal(page.transferCurves(lost, "h1").least[7], 0);
-  assert.ok(page.transferCurves(lost, "h1").least_drawn[7] > 0, "the band reaches down beyond the picture");
+  assert.equal(page.transferFunctionCurves(lost, "h1").phase_deg[7], null, "the circle holds 0");
+  assert.equal(page.transferFunctionCurves(lost, "h1").least[7], 0);
+  assert.ok(page.transferFunctionCurves(lost, "h1").least_drawn[7] > 0, "the band reaches down beyond the picture");
   lost[0].radius_95[7] = Infinity;
-  assert.equal(page.transferCurves(lost, "h1").greatest[7], null);
+  assert.equal(page.transferFunctionCurves(lost, "h1").greatest[7], null);
 });
 
 test("the delay is the slope of the phase, where there is coherence", () => {

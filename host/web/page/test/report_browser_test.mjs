@@ -184,10 +184,10 @@ test("the page tells live what came of the weights, and does so again after the 
   });
   await page.goto(where);
   const tells = () => page.waitForFunction(() =>
-    [1, 2].every((wheel) => /NO BETTER.*were the weights fitted\?/s.test(document.querySelector(`#wheel-${wheel} .verified`)?.innerText ?? "")),
+    [1, 2].every((wheel) => /NO BETTER.*were the weights fitted\?/s.test(document.querySelector(`#wheel-${wheel} .weight-check`)?.innerText ?? "")),
     null, {timeout: 120_000});
   await tells();
-  await picture(page, "verified-live");
+  await picture(page, "weight-check-live");
   const gone = new Promise((resolve) => analyser.once("exit", resolve));
   analyser.kill();
   await gone;

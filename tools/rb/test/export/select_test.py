@@ -37,7 +37,7 @@ def gaps(folder, number):
             yield first, scans, cause
 
 
-EXCERPT, MARK, SOURCE_GAP = 19, 17, 6
+SUBSET, MARK, SOURCE_GAP = 19, 17, 6
 
 
 class Select(Exports):
@@ -68,7 +68,7 @@ class Select(Exports):
         for number in (1, 2):
             self.same(Node(folder, number), Node(self.made, number), rows)
         self.assertEqual([e["samples_recorded"] for e in said["record"]["nodes"]], [1996, 1996])
-        told = [note for note in notes(folder) if note[0] == EXCERPT]
+        told = [note for note in notes(folder) if note[0] == SUBSET]
         self.assertIn("part of made, from 1.014 s, to 5.006 s", told[0][3])
         self.assertIn("from 1.014 s to 5.006 s", told[1][3])
 
@@ -175,7 +175,7 @@ class Select(Exports):
         self.assertEqual((first / "seg-000001.lcm").read_bytes(), (second / "seg-000001.lcm").read_bytes())
         part, _ = self.select(first, "--from", 1)
         self.same(Node(part, 1), Node(self.made, 1), slice(500, 2000))
-        words = " ".join(note[3] for note in notes(part) if note[0] == EXCERPT)
+        words = " ".join(note[3] for note in notes(part) if note[0] == SUBSET)
         self.assertIn("part of made, to 4 s", words)
         self.assertIn("part of first, from 1 s", words)
 
