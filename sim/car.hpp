@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -53,6 +54,13 @@ class Car {
     WheelForces vertical;
     Array4 forward_n;
   };
+  /// The car while its tyres' stiffness has not fallen further, bus time.
+  struct Warmth {
+    double until_s;
+    double stiffness;  ///< as part of that of warm tyres
+    VehicleDynamics dynamics;
+  };
+  static std::vector<Warmth> warm_up(const Scenario& scenario, const DrawnCar& car, double step_s);
   Forces wheel_forces();
 
   DrawnCar drawn_;
@@ -62,7 +70,8 @@ class Car {
   Motion motion_;
   std::array<RoadProfile, kWheels> road_;
   Array4 static_load_n_;
-  VehicleDynamics dynamics_;
+  std::vector<Warmth> warmth_;
+  std::size_t now_ = 0;  ///< of warmth_
   PlanarMotion planar_;
   SourceVector sources_;
 };

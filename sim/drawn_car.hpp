@@ -18,8 +18,9 @@ struct DrawnCar {
   std::array<WheelScenario, kWheels> wheel;
 };
 
-/// Springs, dampers, stabilisers and tyres are drawn, masses and places are those of vehicle.toml.
-/// No two rolling radii are closer than half the spread, so no two wheels turn in step.
+/// Springs, dampers, stabilisers and tyres are drawn, and with sigma_spread masses, inertias and tyre
+/// dampers; places are those of vehicle.toml. No two rolling radii are closer than half the spread, so no two
+/// wheels turn in step.
 DrawnCar draw_car(const Scenario& scenario, std::uint64_t seed, const VehicleConfig& vehicle);
 
 }  // namespace roadbalance::sim

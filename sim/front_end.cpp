@@ -299,7 +299,7 @@ class SimFrontEnd final : public FrontEnd {
 std::unique_ptr<FrontEnd> open_sim_front_end(const FrontEndRequest& request) {
   const WallTime opened = WallClock::now();
   const Address address = Address::parse(request.address);
-  Scenario scenario = Scenario::read(address.scenario_path, request.vehicle);
+  Scenario scenario = Scenario::read(address.scenario_path, request.vehicle, address.seed);
   if (address.seconds) scenario.scale_to(*address.seconds);
   std::optional<Pace> pace;
   if (address.rate) {
@@ -309,7 +309,7 @@ std::unique_ptr<FrontEnd> open_sim_front_end(const FrontEndRequest& request) {
     pace.emplace(*address.rate, start, *address.rate == 1.0 ? std::optional(slept) : std::nullopt);
   }
   const double rate_hz = request.node.rate_hz * (1.0 + 1e-6 * address.converter_ppm);
-  Device device(scenario, address.seed.value_or(scenario.seed), request.vehicle, request.node, rate_hz);
+  Device device(scenario, scenario.seed, request.vehicle, request.node, rate_hz);
   return std::make_unique<SimFrontEnd>(std::move(device), rate_hz, scenario.seconds(), pace, address.from_s,
                                        ClockError{address.clock_offset_s, 1e-6 * address.clock_ppm});
 }

@@ -27,9 +27,9 @@ void PlanarMotion::Resonator::step(const Array4& force) {
   acceleration = force - damping_1_s * velocity - stiffness_1_s2 * displacement;
 }
 
-PlanarMotion::PlanarMotion(const ParameterVector& parameters, double step_s)
+PlanarMotion::PlanarMotion(const ParameterVector& parameters, double forward_hz, double step_s)
     : mass_kg_(parameters.segment<kWheels>(kWheelMass).array()),
-      direction_{Resonator(22.0, 0.15, step_s), Resonator(15.0, 0.20, step_s)} {}
+      direction_{Resonator(forward_hz, 0.15, step_s), Resonator(15.0, 0.20, step_s)} {}
 
 void PlanarMotion::step(const Array4& forward_n, const Array4& left_n) {
   direction_[0].step(forward_n / mass_kg_);

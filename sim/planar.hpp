@@ -14,11 +14,12 @@ using Array4 = Eigen::Array<double, kWheels, 1>;
 /// Fore-and-aft and sideways shaking of the four wheel carriers: a plausible secondary model, so that the
 /// horizontal channels show something a car would.  Nothing identifies it.
 ///
-/// Each carrier is a mass on a rubber bush in either direction, x'' + 2 D w x' + w^2 x = F / m with 22 Hz, D
-/// = 0.15 fore and aft, 15 Hz, D = 0.2 sideways; forces are taken as linear between steps.
+/// Each carrier is a mass on a rubber bush in either direction, x'' + 2 D w x' + w^2 x = F / m with the
+/// scenario's frequency, D = 0.15 fore and aft, 15 Hz, D = 0.2 sideways; forces are taken as linear between
+/// steps.
 class PlanarMotion {
  public:
-  PlanarMotion(const ParameterVector& parameters, double step_s);
+  PlanarMotion(const ParameterVector& parameters, double forward_hz, double step_s);
 
   /// @param forward_n, left_n  forces on the carriers at the end of this step
   void step(const Array4& forward_n, const Array4& left_n);

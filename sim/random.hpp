@@ -18,6 +18,13 @@ enum class Use : std::uint64_t {
   kTestSample,  ///< hil_tests/deterministic/hashed_sample.hpp
   kTestFault,
   kCounterAge,
+  kScenario,  ///< values of its keys
+  kRoadStretch,
+  kObstacle,
+  kRadialForce,
+  kSensorFault,
+  kMountingNoise,
+  kFilterFault,
 };
 
 /// Random numbers that are a pure function of (seed, use, which, counter): no state, so every process
@@ -36,6 +43,11 @@ class RandomSequence {
 
   /// Uniform in [0, 1).
   double uniform(std::int64_t counter) const { return static_cast<double>(bits(counter) >> 11) * 0x1p-53; }
+
+  /// Uniform in [low, high).
+  double between(std::int64_t counter, double low, double high) const {
+    return low + (high - low) * uniform(counter);
+  }
 
   /// Mean 0, variance 1, nearly normal: the sum of four 16-bit uniforms (excess kurtosis -0.3, never beyond
   /// +-3.4642).  Whatever a filter averages over many of them is normal; and it costs a few nanoseconds.

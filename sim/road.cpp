@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kReferenceWaveNumber_1_m = 0.1;  ///< n0 of ISO 8608
 constexpr double kRunIn_m = 200.0;                ///< 12 times the memory of the lower corner
+constexpr double kJoint_m = 0.3, kPothole_m = 0.6;
+std::int64_t stretch_number(std::int64_t cell, std::int64_t cells_a_stretch) {
+  return cell / cells_a_stretch - (cell < 0 && cell % cells_a_stretch != 0 ? 1 : 0);
+}
 
 }  // namespace
 
@@ -30,7 +34,13 @@ RoadFilter::RoadFilter(double roughness_m3) {
 }
 
 RoadProfile::RoadProfile(const RoadScenario& scenario, std::uint64_t seed, std::size_t wheel, double start_m)
-    : filter_(scenario.roughness_m3),
+    : scenario_(scenario),
+      filter_(scenario.roughness_m3),
+      waviness_(scenario.waviness),
+      stretch_(seed, Use::kRoadStretch, wheel % 2),
+      cells_a_stretch_(std::llround(scenario.stretch_m / RoadFilter::kGrid_m)),
+      joints_(scenario.joint, kJoint_m, 1.0, {seed, Use::kObstacle, 2}),
+      potholes_(scenario.pothole, kPothole_m, -1.0, {seed, Use::kObstacle, wheel % 2}),
       cell_(static_cast<std::int64_t>(std::floor((start_m - kRunIn_m) / RoadFilter::kGrid_m))),
       from_(Eigen::Vector2d::Zero()),
       to_(Eigen::Vector2d::Zero()) {
@@ -44,27 +54,43 @@ RoadProfile::RoadProfile(const RoadScenario& scenario, std::uint64_t seed, std::
     ingredient_.push_back({{seed, Use::kRoad, first}, right ? both_sides * weight : weight});
     if (right) ingredient_.push_back({{seed, Use::kRoad, first + 1}, one_side * weight});
   };
-  if (scenario.roughness_m3 == 0.0) return;  // no ingredient: flat
+  if (scenario.roughness_m3 == 0.0) return;  // no ingredient: flat but for its obstacles
   if (wheel < 2) {
     add(0, 1.0);
   } else {
     add(0, coherence);
     add(2, alone);
   }
+  if (right) {
+    waviness_.below += scenario.right_waviness;
+    waviness_.above += scenario.right_waviness;
+  }
+  begin_stretch(stretch_number(cell_, cells_a_stretch_));
+}
+
+void RoadProfile::begin_stretch(std::int64_t number) {
+  const double bent = scenario_.stretch_waviness * (2.0 * stretch_.uniform(2 * number) - 1.0);
+  Waviness waviness = waviness_;
+  waviness.below += bent;
+  waviness.above += bent;
+  bend_.set(waviness, std::pow(scenario_.stretch_height, 2.0 * stretch_.uniform(2 * number + 1) - 1.0));
 }
 
 void RoadProfile::advance() {
   ++cell_;
   from_ = to_;
+  if (cell_ % cells_a_stretch_ == 0) begin_stretch(stretch_number(cell_, cells_a_stretch_));
   Eigen::Vector2d white = Eigen::Vector2d::Zero();
   for (const Ingredient& i : ingredient_)
     white += i.weight * Eigen::Vector2d(i.random.normal(2 * cell_), i.random.normal(2 * cell_ + 1));
-  to_ = filter_.transition * from_ + filter_.noise * white;
+  to_ = filter_.transition * from_ + filter_.noise * bend_.filter(white);
 }
 
 RoadPoint RoadProfile::at(double place_m) {
+  RoadPoint point = joints_.at(place_m);
+  point += potholes_.at(place_m);
+  if (ingredient_.empty()) return point;
   const double cells = place_m / RoadFilter::kGrid_m;
-  if (ingredient_.empty()) return {0.0, 0.0, 0.0};
   while (cells >= static_cast<double>(cell_ + 1)) advance();
   // Cubic Hermite curve through height and slope at both grid points.
   const double x = cells - static_cast<double>(cell_);
@@ -73,7 +99,8 @@ RoadPoint RoadProfile::at(double place_m) {
   const double b = RoadFilter::kGrid_m * to_(1);
   const double c2 = 3.0 * rise_m - 2.0 * a - b;
   const double c3 = a + b - 2.0 * rise_m;
-  return {from_(0) + x * (a + x * (c2 + x * c3)), (a + x * (2.0 * c2 + 3.0 * x * c3)) / RoadFilter::kGrid_m,
+  return point +=
+         {from_(0) + x * (a + x * (c2 + x * c3)), (a + x * (2.0 * c2 + 3.0 * x * c3)) / RoadFilter::kGrid_m,
           (2.0 * c2 + 6.0 * x * c3) / (RoadFilter::kGrid_m * RoadFilter::kGrid_m)};
 }
 

@@ -8,17 +8,12 @@
 
 #include "common/config/vehicle_config.hpp"
 #include "common/vehicle/contact_patch.hpp"
+#include "sim/obstacles.hpp"
 #include "sim/random.hpp"
 #include "sim/scenario.hpp"
+#include "sim/waviness.hpp"
 
 namespace roadbalance::sim {
-
-/// Road under a wheel: height, and its first and second derivative along the road.
-struct RoadPoint {
-  double height_m;
-  double slope;
-  double curvature_1_m;
-};
 
 /// Shape of the road's spectrum: height u = w2 / ((s + w1)(s + w2)) * white noise in the distance domain,
 /// whose slope has the two-sided density 2 pi^2 n0^2 Gd(n0) between the corners, as ISO 8608 with exponent 2.
@@ -41,8 +36,8 @@ struct RoadFilter {
 /// The noise of a road cell is a pure function of seed, side and cell, so the rear wheel meets what the front
 /// wheel met at the same place without anybody remembering it:
 /// right = r left + sqrt(1 - r^2) own, rear = c front + sqrt(1 - c^2) own (with the same left/right r),
-/// r = left_right_correlation, c^2 = rear_coherence2.
-/// Between grid points the height is a cubic Hermite curve.
+/// r = left_right_correlation, c^2 = rear_coherence2.  A filter of the side and stretch bends its spectrum
+/// (waviness.hpp).  Between grid points the height is a cubic Hermite curve.  Joints and potholes are added.
 class RoadProfile {
  public:
   /// @param wheel    0 .. 3
@@ -58,9 +53,16 @@ class RoadProfile {
     double weight;
   };
   void advance();
+  void begin_stretch(std::int64_t number);
 
+  RoadScenario scenario_;
   RoadFilter filter_;
+  WavinessFilter bend_{RoadFilter::kGrid_m};
+  Waviness waviness_;       ///< of the side, without that of the stretch
+  RandomSequence stretch_;  ///< of the side
+  std::int64_t cells_a_stretch_;
   std::vector<Ingredient> ingredient_;
+  Obstacles joints_, potholes_;
   std::int64_t cell_;          ///< `from_` is the road at cell_ * kGrid_m
   Eigen::Vector2d from_, to_;  ///< [height, slope] at both ends of the cell
 };

@@ -6,7 +6,7 @@
 namespace roadbalance::sim {
 
 Truth truth_of(const std::string& scenario_path, std::uint64_t seed, const VehicleConfig& vehicle) {
-  Truth truth{{}, draw_car(Scenario::read(scenario_path, vehicle), seed, vehicle)};
+  Truth truth{{}, draw_car(Scenario::read(scenario_path, vehicle, seed), seed, vehicle)};
   for (std::size_t i = 0; i < kWheels; ++i) {
     const std::complex<double> unbalance = truth.car.wheel[i].unbalance_kg_m;
     const double angle_deg = std::arg(unbalance) * 180.0 / std::numbers::pi;

@@ -61,6 +61,13 @@ void VehicleDynamics::reset(const WheelForces& forces) {
   accelerate(forces);
 }
 
+void VehicleDynamics::go_on_from(const VehicleDynamics& other) {
+  state_ = other.state_;
+  hold_ = other.hold_;
+  strut_n_ = other.strut_n_;
+  acceleration_ = other.acceleration_;
+}
+
 void VehicleDynamics::step(const WheelForces& forces) {
   hold_.head<2 * kWheels>() = hold_.tail<2 * kWheels>().eval();
   hold_.tail<2 * kWheels>() << forces.force_n, step_s_ * forces.rate_n_s;

@@ -34,6 +34,9 @@ class VehicleDynamics {
   /// At rest, under these forces.
   void reset(const WheelForces& forces);
 
+  /// In the motion of another car, under the forces on it.
+  void go_on_from(const VehicleDynamics& other);
+
   /// Advances one step to where `forces` act.
   void step(const WheelForces& forces);
 

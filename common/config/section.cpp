@@ -226,6 +226,18 @@ std::vector<double> Section::numbers_or(const std::string& key, std::size_t size
   return state_->find(key) ? numbers(key, size, range) : otherwise;
 }
 
+Range Section::bounds_or(const std::string& key, Range range, Range otherwise) {
+  const toml::node* node = state_->find(key);
+  if (!node) return otherwise;
+  if (!node->is_array()) {
+    const double both = state_->number(*node, key, range);
+    return {both, both};
+  }
+  const std::vector<double> two = numbers(key, 2, range);
+  if (two[0] > two[1]) state_->refuse(*node, key, "[low, high] with low <= high");
+  return {two[0], two[1]};
+}
+
 std::string Section::formula(const std::string& key) {
   const std::string allowed = "a formula in quotes, or a number";
   return state_->formula(state_->require(key, allowed), key, allowed);

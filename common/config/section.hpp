@@ -63,6 +63,8 @@ class Section {
   std::vector<double> numbers(const std::string& key, std::size_t size, Range range);
   std::vector<double> numbers_or(const std::string& key, std::size_t size, Range range,
                                  std::vector<double> otherwise);
+  /// A number, or two in [ ] of which the first is not greater: bounds.
+  Range bounds_or(const std::string& key, Range range, Range otherwise);
   /// A text, or a number as it would be written.
   std::string formula(const std::string& key);
   /// Exactly `size` of them in [ ].

@@ -139,6 +139,83 @@ TEST(Conditioner, FlagsAndClipsWhatLeavesTheRangeEvenBetweenConversions) {
   EXPECT_NEAR(vehicle.node[0].channel[5].to_si(scans.back().counts[5]), -200.0, 1e-3);
 }
 
+/// Amplitude of the front left carrier's vertical channel under 3 m/s^2 of it.
+Complex answer(const Scenario& scenario, double frequency_hz, std::size_t channel = 2) {
+  const VehicleConfig vehicle = test::reference_vehicle();
+  const auto scans = convert(scenario, vehicle, 6000, [&](double t) {
+    SourceVector sources = SourceVector::Zero();
+    sources(kBodyCoordinates) = 3.0 * std::cos(2.0 * kPi * frequency_hz * t);
+    return sources;
+  });
+  Complex sum = 0.0;
+  for (std::size_t k = 4000; k < 6000; ++k)
+    sum += vehicle.node[0].channel[channel].to_si(scans[k].counts[channel]) *
+           std::polar(2.0 / 2000.0, -2.0 * kPi * frequency_hz * static_cast<double>(k) / 2000.0);
+  return sum / 3.0;
+}
+
+TEST(Conditioner, ABracketResonates) {
+  Scenario scenario = test::ideal_scenario(30.0);
+  const Complex rigid = answer(scenario, 100.0);
+  scenario.sensor.bracket_hz = {100.0, 100.0};
+  scenario.sensor.bracket_damping = 0.05;
+  // (1 + 2 D j) / (2 D j) at resonance; straight lines between the steps multiply by sinc^2 (pi f step): 0.2
+  // %.
+  const Complex expected = Complex(1.0, 0.1) / Complex(0.0, 0.1);
+  EXPECT_LT(std::abs(answer(scenario, 100.0) / rigid - expected), 0.01 * std::abs(expected));
+  // Far below it nothing but (f / f0)^2 more.
+  EXPECT_NEAR(std::abs(answer(scenario, 5.0) / answer(test::ideal_scenario(30.0), 5.0)), 1.0025, 1e-4);
+}
+
+TEST(Conditioner, GainsAndTiltsLieWithinWhatIsSaidAndDiffer) {
+  Scenario scenario = test::ideal_scenario(30.0);
+  const Complex exact = answer(scenario, 10.0);
+  scenario.sensor.gain = 0.03;
+  const Complex gained = answer(scenario, 10.0) / exact;
+  EXPECT_NEAR(gained.imag(), 0.0, 1e-5);
+  EXPECT_NE(gained.real(), 1.0);
+  EXPECT_NEAR(gained.real(), 1.0, 0.03);
+  scenario.sensor.gain = 0.0;
+  scenario.sensor.tilt_rad = 0.05;
+  const Complex up = answer(scenario, 10.0) / exact;
+  EXPECT_LT(up.real(), 1.0);
+  EXPECT_GE(up.real(), std::cos(0.05) - 1e-5);
+  // The horizontal ones feel up to the sine of their tilt.
+  const double forward = std::abs(answer(scenario, 10.0, 0) / exact);
+  const double left = std::abs(answer(scenario, 10.0, 1) / exact);
+  EXPECT_GT(forward, 1e-4);
+  EXPECT_LT(forward, std::sin(0.05));
+  EXPECT_GT(left, 1e-4);
+  EXPECT_LT(left, std::sin(0.05));
+}
+
+TEST(Conditioner, AFilterOfInexactComponentsIsNearlyTheDeclaredOne) {
+  Scenario scenario = test::ideal_scenario(30.0);
+  const Complex at_rest = answer(scenario, 1.0), exact = answer(scenario, 18.0),
+                corner = answer(scenario, 200.0);
+  scenario.sensor.filter = 0.03;
+  EXPECT_LT(std::abs(answer(scenario, 1.0) / at_rest - 1.0), 3e-3);
+  // The phase of a Butterworth filter of order 6 is 3.86 f / fc there; three corners off by up to 3 % and
+  // their dampings by as much change it by up to 2 * 3 % of that.
+  const double phase = std::abs(std::arg(answer(scenario, 18.0) / exact));
+  EXPECT_GT(phase, 1e-5);
+  EXPECT_LT(phase, 0.06 * 3.86 * 18.0 / 200.0);
+  EXPECT_NEAR(std::abs(answer(scenario, 200.0) / corner), 1.0, 0.25);
+}
+
+TEST(Conditioner, ClipsBelowItsRangeWithoutAFlag) {
+  Scenario scenario = test::ideal_scenario(30.0);
+  scenario.sensor.clips_at = 0.5;
+  const VehicleConfig vehicle = test::reference_vehicle();
+  const auto scans = convert(scenario, vehicle, 1000, [&](double) {
+    SourceVector sources = SourceVector::Zero();
+    sources(kBodyCoordinates) = 150.0;
+    return sources;
+  });
+  for (const Scan& scan : scans) EXPECT_EQ(scan.overload, 0U);
+  EXPECT_NEAR(vehicle.node[0].channel[2].to_si(scans.back().counts[2]), 100.0, 1e-3);
+}
+
 TEST(Conditioner, RoadChannelCarriesTheRoadUnderItsWheelAndUnusedChannelsNothing) {
   VehicleConfig vehicle = test::reference_vehicle();
   Scenario scenario = test::ideal_scenario(30.0);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -28,8 +29,9 @@ struct CrossSpectrum {
 constexpr int kSections = 250;
 constexpr int kSection = 4000;
 
-CrossSpectrum cross_spectrum(std::size_t wheel_a, std::size_t wheel_b) {
-  RoadProfile a(kClassA, 5, wheel_a, 0.0), b(kClassA, 5, wheel_b, 0.0);
+CrossSpectrum cross_spectrum(std::size_t wheel_a, std::size_t wheel_b,
+                             const RoadScenario& scenario = kClassA) {
+  RoadProfile a(scenario, 5, wheel_a, 0.0), b(scenario, 5, wheel_b, 0.0);
   std::vector<std::vector<std::complex<double>>> kernel(kWaveNumbers_1_m.size());
   for (std::size_t k = 0; k < kernel.size(); ++k)
     for (int i = 0; i < kSection; ++i) {
@@ -70,6 +72,94 @@ TEST(Road, HasTheSpectrumOfItsClassOnBothSides) {
     mean += (a + b) / (2.0 * kWaveNumbers_1_m.size());
   }
   EXPECT_NEAR(mean, 1.0, 4.5 / std::sqrt(2.0 * kWaveNumbers_1_m.size() * kSections / 1.09));
+}
+
+// Exponents of ISO 8608 lie about 2, those of roads between 1.5 and 3.3 (P. Andren, Power spectral density
+// approximations of longitudinal road profiles, Int. J. Vehicle Design 40 (2006) 2-14).
+TEST(Road, HasTheWavinessOfEachSideUpToTheBendAndBeyond) {
+  RoadScenario scenario = kClassA;
+  scenario.waviness = {.below = 1.5, .above = 3.0, .bend_1_m = 0.4};
+  scenario.right_waviness = 0.5;
+  const CrossSpectrum spectrum = cross_spectrum(0, 1, scenario);
+  for (std::size_t k = 0; k < kWaveNumbers_1_m.size(); ++k) {
+    const double n = kWaveNumbers_1_m[k];
+    if (n > 0.2 && n < 0.8) continue;  // the bend is round
+    const auto expected = [&](double below, double above) {
+      const double at_bend = std::pow(std::min(n, 0.4) / 0.1, 2.0 - below);
+      return analytic_density(n) * at_bend * std::pow(std::max(n, 0.4) / 0.4, 2.0 - above);
+    };
+    // The bend's roundness leaves up to 4 %.
+    EXPECT_NEAR(spectrum.first[k] / expected(1.5, 3.0), 1.0, 0.04 + 4.5 / std::sqrt(kSections)) << n;
+    EXPECT_NEAR(spectrum.second[k] / expected(2.0, 3.5), 1.0, 0.04 + 4.5 / std::sqrt(kSections)) << n;
+  }
+}
+
+TEST(Road, ALadderOfFiltersHasThePowerThatItIsSetTo) {
+  WavinessFilter filter(RoadFilter::kGrid_m);
+  for (const double waviness : {1.5, 1.7, 2.5, 3.0, 3.3}) {
+    filter.set({.below = waviness, .above = waviness}, 3.0);
+    for (double n = 0.03; n < 4.0; n *= 1.1)
+      EXPECT_NEAR(filter.magnitude(n) / (3.0 * std::pow(n / 0.1, 0.5 * (2.0 - waviness))), 1.0, 0.005) << n;
+  }
+  filter.set({}, 3.0);
+  EXPECT_EQ(filter.magnitude(0.7), 3.0);
+}
+
+TEST(Road, StretchesDifferInHeightUpToTheFactorAndAreThoseOfTheRearWheelToo) {
+  RoadScenario scenario = kClassA;
+  scenario.stretch_height = 2.0;
+  scenario.stretch_m = 50.0;
+  scenario.rear_coherence2 = 1.0;
+  RoadProfile front(scenario, 3, 1, 0.0), rear(scenario, 3, 3, 0.0), same({16e-6, 0.3, 1.0}, 3, 1, 0.0);
+  double least = 10.0, most = 0.0;
+  for (int stretch = 0; stretch < 100; ++stretch) {
+    double square = 0.0, of_same = 0.0;
+    for (double x = 50.0 * stretch + 1.0; x < 50.0 * stretch + 50.0; x += 0.05) {
+      const RoadPoint point = front.at(x);
+      square += point.slope * point.slope;
+      of_same += std::pow(same.at(x).slope, 2);
+      EXPECT_NEAR(rear.at(x).slope, point.slope, 1e-9);
+    }
+    // The slope remembers 4 cm, so but for the border the ratio is the stretch's factor.
+    least = std::min(least, std::sqrt(square / of_same));
+    most = std::max(most, std::sqrt(square / of_same));
+  }
+  EXPECT_GT(least, 0.49);
+  EXPECT_LT(least, 0.55);
+  EXPECT_GT(most, 1.8);
+  EXPECT_LT(most, 2.04);
+}
+
+// A flat road with 10 potholes a km in each track and 5 joints across both.
+TEST(Road, ObstaclesStandWhereAllWheelsOfTheirTracksMeetThem) {
+  RoadScenario scenario{0.0, 0.3, 0.5};
+  scenario.pothole = {.per_km = 10.0, .height_m = {0.01, 0.03}};
+  scenario.joint = {.per_km = 5.0, .height_m = {0.002, 0.004}};
+  RoadProfile left(scenario, 4, 0, 0.0), right(scenario, 4, 1, 0.0), behind(scenario, 4, 2, 0.0);
+  int potholes = 0, joints = 0;
+  double deepest = 0.0, highest = 0.0;
+  bool is_in = false, is_on = false;
+  const double h = 1e-4;
+  for (double x = 0.0; x < 4000.0; x += 0.013) {
+    const RoadPoint point = left.at(x);
+    EXPECT_EQ(point.height_m, behind.at(x).height_m);
+    EXPECT_NEAR((left.at(x + h).height_m - left.at(x).height_m) / h, left.at(x + 0.5 * h).slope, 2e-4);
+    EXPECT_NEAR((left.at(x + h).slope - left.at(x).slope) / h, left.at(x + 0.5 * h).curvature_1_m, 0.7);
+    const bool down = point.height_m < -1e-6;
+    const bool joint = point.height_m > 1e-6 && right.at(x).height_m > 1e-6;
+    potholes += down && !is_in;
+    joints += joint && !is_on;
+    is_in = down;
+    is_on = joint;
+    deepest = std::min(deepest, point.height_m);
+    highest = std::max(highest, point.height_m);
+  }
+  EXPECT_EQ(potholes, 40);
+  EXPECT_NEAR(joints, 20, 1);  // one may lie in a pothole
+  EXPECT_GT(deepest, -0.030);
+  EXPECT_LT(deepest, -0.027);
+  EXPECT_LE(highest, 0.004);
+  EXPECT_GT(highest, 0.0035);
 }
 
 /// The regression of b on a, S_ab / S_aa, must be `gain`; each part of its error has the standard deviation

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -69,6 +70,76 @@ TEST(Scenario, DampersAreLinearUnlessItSaysOtherwise) {
   EXPECT_EQ(damper.knee_m_s, 0.3);
   EXPECT_EQ(damper.friction_n, 40.0);
   EXPECT_THROW(parse(kShortest + "[damper]\nfriction_n = -1\n"), ConfigError);
+}
+
+TEST(Scenario, DrawsAKeyGivenByItsBoundsByTheSeed) {
+  const auto drawn = [](std::uint64_t seed) {
+    return Scenario::parse(kShortest + "[road]\nwaviness = [1.5, 3.3]\nrear_coherence2 = [0.5, 0.98]\n",
+                           "test.toml", test::reference_vehicle(), seed)
+        .road;
+  };
+  double least = 4.0, most = 0.0, least_coherence = 1.0, product = 0.0;
+  constexpr int kSeeds = 400;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const RoadScenario road = drawn(seed);
+    EXPECT_EQ(road.waviness.above, road.waviness.below);
+    least = std::min(least, road.waviness.below);
+    most = std::max(most, road.waviness.below);
+    least_coherence = std::min(least_coherence, road.rear_coherence2);
+    product += (road.waviness.below - 2.4) / 1.8 * (road.rear_coherence2 - 0.74) / 0.48 * 12.0 / kSeeds;
+  }
+  EXPECT_GE(least, 1.5);
+  EXPECT_LE(most, 3.3);
+  // Of 400 none within 2 % of a bound: once in 3000.
+  EXPECT_LT(least, 1.5 + 0.02 * 1.8);
+  EXPECT_GT(most, 3.3 - 0.02 * 1.8);
+  EXPECT_LT(least_coherence, 0.5 + 0.02 * 0.48);
+  EXPECT_NEAR(product, 0.0, 4.0 / std::sqrt(kSeeds)) << "each key has a sequence of its own";
+  EXPECT_EQ(drawn(7).waviness.below, drawn(7).waviness.below);
+}
+
+TEST(Scenario, RefusesBoundsThatAreNone) {
+  for (const char* bounds : {"[3, 2]", "[2]", "[1.5, 2, 3]", "[0, 2]", "\"2\"", "[]"})
+    EXPECT_THROW(parse(kShortest + "[road]\nwaviness = " + bounds + "\n"), ConfigError) << bounds;
+}
+
+TEST(Scenario, KeepsTheMeanOfADamperOfWhichItDrawsTheRatio) {
+  const DamperScenario damper = parse(kShortest + "[damper]\nrebound_ratio = 3\n").damper;
+  EXPECT_DOUBLE_EQ(damper.compression, 0.5);
+  EXPECT_DOUBLE_EQ(damper.rebound, 1.5);
+}
+
+TEST(Scenario, DrawsMassesInertiasAndTyreDampersByTheirDeviations) {
+  VehicleConfig vehicle = test::reference_vehicle();
+  vehicle.model.body_mass_sigma_kg = 39.0;
+  vehicle.model.roll_inertia_sigma_kg_m2 = 48.0;
+  vehicle.wheel[1].mass_sigma_kg = 0.7;
+  const Scenario scenario = Scenario::parse(kShortest + "[spread]\nsigmas = 1\n", "test.toml", vehicle);
+  ParameterVector square = ParameterVector::Zero();
+  constexpr int kSeeds = 2000;
+  const ParameterVector nominal = nominal_parameters(vehicle);
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed)
+    square += (draw_car(scenario, seed, vehicle).parameters - nominal).cwiseAbs2() / kSeeds;
+  // A variance of 2000 values is good to sqrt(2 / 2000) = 3.2 %.
+  EXPECT_NEAR(square(kBodyMass) / (39.0 * 39.0), 1.0, 0.15);
+  EXPECT_NEAR(square(kRollInertia) / (48.0 * 48.0), 1.0, 0.15);
+  EXPECT_NEAR(square(kWheelMass + 1) / (0.7 * 0.7), 1.0, 0.15);
+  EXPECT_EQ(square(kWheelMass), 0.0) << "it is known exactly";
+}
+
+TEST(Scenario, DrawsForcesOfTyresForEachWheel) {
+  const Scenario scenario =
+      parse(kShortest + "[tyre]\nradial_force_1_n = [10, 60]\nradial_force_3_n = 5\n" +
+            "[[radial_force]]\nwheel = \"rear_left\"\nforce_n = 30\nangle_deg = 90\norder = 2\n");
+  const DrawnCar car = draw_car(scenario, 3, test::reference_vehicle());
+  for (std::size_t i = 0; i < kWheels; ++i) {
+    EXPECT_GE(std::abs(car.wheel[i].radial_force_n), 10.0);
+    EXPECT_LE(std::abs(car.wheel[i].radial_force_n), 60.0);
+    EXPECT_NEAR(std::abs(car.wheel[i].higher_radial_force_n[1]), 5.0, 1e-12);
+    EXPECT_NEAR(std::abs(car.wheel[i].higher_radial_force_n[0]), i == 2 ? 30.0 : 0.0, 1e-12);
+    for (std::size_t j = 0; j < i; ++j)
+      EXPECT_GT(std::abs(car.wheel[i].radial_force_n - car.wheel[j].radial_force_n), 0.1);
+  }
 }
 
 TEST(Scenario, DrawsSpringsDampersStabilisersAndTyresWithinTheSpreadAndLeavesMasses) {

@@ -117,6 +117,46 @@ TEST(Car, FeelsTheRadialForceVariationIndependentlyOfSpeed) {
   }
 }
 
+TEST(Car, FeelsTheHigherOrdersOfATyre) {
+  Scenario scenario = test::ideal_scenario(25.0);
+  scenario.wheel[1].higher_radial_force_n = {std::polar(20.0, 0.5), std::polar(10.0, -1.5)};
+  Car car(scenario, 3, test::reference_vehicle(), 1e-3);
+  const double omega = 25.0 / 0.30;
+  const Complex second = response(reference_model(), 2.0 * omega)(4, 1) * std::polar(20.0, 0.5);
+  const Complex third = response(reference_model(), 3.0 * omega)(4, 1) * std::polar(10.0, -1.5);
+  while (car.time_s() < 8.0) car.step();
+  for (int i = 0; i < 200; ++i) {
+    car.step();
+    const double angle = car.motion().position_m / 0.30 + car.drawn().initial_angle_rad[1];
+    const double expected =
+        (second * std::polar(1.0, 2.0 * angle)).real() + (third * std::polar(1.0, 3.0 * angle)).real();
+    // (3 w h)^4 / 720 of the interpolation is 5e-6.
+    EXPECT_NEAR(car.sources()(4), expected, 2e-5 * (std::abs(second) + std::abs(third)));
+  }
+}
+
+// With a time constant of 20 s: 10 % more at the beginning, half of that after 20 ln 2 s, nothing in the end.
+TEST(Car, IsThatOfItsWarmTyresOnceTheyAreAndBeforeThatOfStifferOnes) {
+  Scenario scenario = test::ideal_scenario(35.0);
+  scenario.wheel[0].radial_force_n = 30.0;
+  scenario.tyre.warming = 0.10;
+  scenario.tyre.warming_s = 20.0;
+  const VehicleConfig vehicle = test::reference_vehicle();
+  Car car(scenario, 3, vehicle, 1e-3);
+  const double omega = 35.0 / 0.30;
+  for (const double time_s : {2.0, 20.0 * std::log(2.0), 160.0}) {
+    while (car.time_s() < time_s) car.step();
+    const double more = 0.10 * std::exp(-time_s / 20.0);
+    ParameterVector parameters = nominal_parameters(vehicle);
+    parameters.segment<kWheels>(kTyre) *= 1.0 + more;
+    const Complex expected =
+        response(linear_model(geometry_of(vehicle.model), parameters), omega)(3, 0) * 30.0 * (1.0 + more);
+    const double angle = car.motion().position_m / 0.30 + car.drawn().initial_angle_rad[0];
+    // It falls in steps of 0.2 % and by 0.5 % a second at first, and the car follows within 0.1 s.
+    EXPECT_NEAR(car.sources()(3), (expected * std::polar(1.0, angle)).real(), 0.005 * std::abs(expected));
+  }
+}
+
 TEST(Car, RearWheelsMeetTheFrontWheelsRoadAWheelbaseLater) {
   Scenario scenario = test::ideal_scenario(27.0);
   scenario.road = {64e-6, 0.3, 1.0};

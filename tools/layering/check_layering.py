@@ -145,24 +145,37 @@ def check_include(path, rooms, used, quoted, name):
         yield f"{room} must not know tests: {name}"
 
 
-MEMBER = re.compile(r"^(?=\S)(?:[\w:<>,&*\[\] ]+[ &*])?([A-Z]\w+)::~?\w+\(")
+# The outermost class of a definition: of a function, an operator, a member of a class in it; of a static member.
+BEFORE = r"^(?=\S)(?!using |template |extern |return )(?:[\w:<>,&*\[\] ]+[ &*])"
+MEMBER = re.compile(BEFORE + r"?([A-Z]\w+)(?:::[A-Z]\w+)*::(?:~?\w+|operator *[^\s(]+|operator *\(\))\(")
+STATIC_MEMBER = re.compile(BEFORE + r"([A-Z]\w+)(?:::[A-Z]\w+)*::\w+ *(?:=|\{|;|\[)")
 # Two ways to do one thing, of which a build has one.
 ALTERNATIVES = {"common/dsp/fft_eigen.cpp"}
 
 
-def check_source(path, text, rooms, used, homes):
+def check_source(path, text, rooms, used, members):
     room, is_test = room_of(path)
+    is_home = path.endswith(".cpp") and not is_test and path not in ALTERNATIVES
     if room not in rooms.what and path not in UNLISTED:
         yield 1, f"{room} is no room of {ROOMS_FILE}"
     for number, line in enumerate(text.splitlines(), 1):
         if found := INCLUDE.match(line):
             for reason in check_include(path, rooms, used, found[1] == '"', found[2]):
                 yield number, reason
-        elif path.endswith(".cpp") and not is_test and path not in ALTERNATIVES and (found := MEMBER.match(line)):
-            home = homes.setdefault((room, found[1]), path)
-            if home != path:
-                homes[(room, found[1])] = path
-                yield number, f"{found[1]} has members in {home}, too; allowed: one source for a class"
+        elif is_home and (found := MEMBER.match(line) or STATIC_MEMBER.match(line)):
+            members.append((found[1], path, number))
+
+
+def check_homes(members, defined):
+    """A class has one source.  One of a header is the same in all rooms, one of a source is that source's own."""
+    of_headers = [name.rsplit("::", 1)[-1] for name in defined]
+    homes = {}  # class, and room if its name alone does not tell it -> the source of its members
+    for name, path, number in members:
+        place = (name, "" if of_headers.count(name) == 1 else room_of(path)[0])
+        home = homes.get(place, path)
+        if home != path:
+            yield f"{path}:{number}: {name} has members in {home}, too; allowed: one source for a class"
+        homes[place] = path
 
 
 UNLISTED = {"tools/cmake/rb_headers.hpp", "tools/cmake/rb_test_headers.hpp"}  # of the build
@@ -209,7 +222,7 @@ def check_tree(root, rooms):
     """All violations below `root` as texts.  A tree without sources is one, too."""
     violations = [f"{ROOMS_FILE}:{number}: {reason}" for number, reason in rooms.errors]
     defined = {}  # qualified name -> where it is first defined: one program may hold all headers
-    homes = {}  # (room, class) -> the source of its members
+    members = []  # (class, source, line) of each definition
     used, found_rooms = set(), set()
     for top in TOPS:
         for file in sorted((root / top).rglob("*")):
@@ -221,7 +234,7 @@ def check_tree(root, rooms):
             if file.suffix == ".lcm":
                 found = check_message(text)
             else:
-                found = check_source(path, text, rooms, used, homes)
+                found = check_source(path, text, rooms, used, members)
             violations += [f"{path}:{number}: {reason}" for number, reason in found]
             if file.suffix not in (".hpp", ".h"):
                 continue
@@ -231,6 +244,7 @@ def check_tree(root, rooms):
                 defined.setdefault(name, f"{path}:{number}")
     if not found_rooms:
         return [f"{root}: no sources here"]
+    violations += check_homes(members, defined)
     violations += [f"{ROOMS_FILE}:0: {name} is no folder with sources" for name in rooms.what if name not in found_rooms]
     violations += [f"{ROOMS_FILE}:0: {name} may know {one}, and does not" for name, known in rooms.knows.items()
                    for one in known if one != "*" and one in rooms.what and (name, one) not in used]

@@ -107,6 +107,19 @@ class CheckLayering(unittest.TestCase):
         code, output = run({**one, "host/a/y.cpp": "\nThing::Thing() {}\n"})
         self.assertEqual(code, 1)
         self.assertIn("host/a/y.cpp:2: Thing has members in host/a/x.cpp, too", output)
+        for definition in ("bool Thing::operator==(const Thing& other) const {\n", "void Thing::Inner::run() {\n",
+                           "const int Thing::kMost = 3;\n", "Thing::Inner Thing::inner() {\n",
+                           "Thing& Thing::operator()() {\n"):
+            output = run({**one, "host/a/y.cpp": definition})[1]
+            self.assertIn("host/a/y.cpp:1: Thing has members in host/a/x.cpp, too", output, definition)
+
+    def test_a_class_of_a_header_has_one_source_in_all_rooms(self):
+        header = {"host/a/x.hpp": "namespace roadbalance {\n\nclass Thing {};\n\n}  // namespace roadbalance\n"}
+        sources = {"host/a/x.cpp": "void Thing::run() {}\n", "host/web/y.cpp": "void Thing::stop() {}\n"}
+        code, output = run({**header, **sources})
+        self.assertEqual(code, 1)
+        self.assertIn("host/web/y.cpp:1: Thing has members in host/a/x.cpp, too", output)
+        self.assertEqual(run(sources), (0, ""), "two of one name, each its source's own")
 
     def test_libraries_stay_in_their_place(self):
         for name, place in [("toml++/toml.h", "common/config/toml_library.hpp"), ("lcm/lcm-cpp.hpp", "common/bus/bus.cpp"),

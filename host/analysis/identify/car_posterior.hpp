@@ -1,0 +1,107 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "common/vehicle/linear_model.hpp"
+#include "host/analysis/identify/spectral_moments.hpp"
+
+namespace roadbalance {
+
+/// What is taken for known of a car and its sensors before it is driven.
+struct CarPrior {
+  Geometry geometry;
+  ParameterVector value;
+  /// One standard deviation each, as a part of the value; of tyre dampers in N s/m.  0: it is known exactly.
+  ParameterVector sigma;
+  Eigen::MatrixXd sensors;     ///< [channel x 7] reading of each vertical channel per unit of z''
+  Eigen::VectorXd gain_sigma;  ///< [channel] of their gains, 1
+  double noise_m2_s4_hz;       ///< of a channel, two-sided density: the body's equations fit no better
+};
+
+/// The posterior of a car, its sensors and the shape of the road, by the spectra of a drive.
+///
+/// In each bin m channels give the body's residuals e = R y, which nothing shakes but noise (three equations,
+/// and m - 7 that say that the body is rigid), and the road u = U y under the four wheels, each wheel's row
+/// of (1) solved for it, the rear ones advanced by wheelbase / V:
+///
+///     u_i = z_i + F_i / c_i,   c_i = ct_i + j om dt_i.
+///
+/// The road is Gaussian with E[u u^H] = diag(phi)^1/2 L_s diag(phi)^1/2, L_s real and free for each speed s,
+/// phi_i(n) the shape of wheel i's side, free but smooth in the logarithm of the wave number n = om / (2 pi
+/// V):
+///
+///     log phi = -(2 + a) log(n / 0.6) - log(1 + (n / 4)^2) + b(log n),
+///
+/// b piecewise linear between knots, 0 at its ends; e is of one level in each band of 4 Hz.  With n_sk
+/// independent segments in bin k, and N_s their sum,
+///
+///     J = sum_k n_k e^H (s^2 R R^H)^-1 e + (m - 4) n_k log s^2
+///       + sum_s N_s log det L_s + sum_sk n_sk (sum_i log phi_i + log det R R^H - 2 log |det [U; R]|)
+///       + 1/2 |x|^2 + 1/2 |a|^2 + 1/2 |second differences of b|^2
+///
+/// is what the posterior's negative logarithm is but for a constant.
+///
+/// Source: P. Whittle, The analysis of multiple stationary time series, J. R. Stat. Soc. B 15 (1953) 125; of
+/// R R^H and the determinant: errors in variables, W. A. Fuller, Measurement Error Models, Wiley 1987, ch. 3.
+class CarPosterior {
+ public:
+  /// @param speeds  moments of each speed, of the same bins; they outlive this
+  CarPosterior(const CarPrior& prior, std::vector<const SpectralMoments*> speeds);
+
+  /// Unknowns: each of the car's parameters, then each gain, that is not known exactly, x in standard
+  /// deviations of its prior (value e^(sigma x), of tyre dampers value + sigma x); then of the left and of
+  /// the right side a and b at its inner knots.
+  Eigen::Index size() const { return size_; }
+  ParameterVector parameters(const Eigen::VectorXd& v) const;
+  Eigen::VectorXd gains(const Eigen::VectorXd& v) const;
+  /// Place of a parameter of the car among the unknowns; -1: it is known exactly.
+  Eigen::Index place(int parameter) const { return place_.at(static_cast<std::size_t>(parameter)); }
+
+  /// J; infinite where the car cannot be.
+  double value(const Eigen::VectorXd& v) const;
+  /// J with its gradient.
+  double value(const Eigen::VectorXd& v, Eigen::VectorXd& gradient) const;
+  /// Expected second derivatives of J, from the signal alone: noise in it would give masses false curvature.
+  Eigen::MatrixXd information(const Eigen::VectorXd& v) const;
+
+ private:
+  struct Equations;
+  struct Bins;
+  Equations equations(const Eigen::VectorXd& v) const;
+  Eigen::MatrixXd equations_by(const Eigen::VectorXd& v, const Equations& of, Eigen::Index unknown) const;
+  Eigen::MatrixXd log_shape(const Eigen::VectorXd& v, const SpectralMoments& speed) const;
+  std::vector<Eigen::ArrayXd> log_shape_by(const SpectralMoments& speed) const;
+  double evaluate(const Eigen::VectorXd& v, Eigen::VectorXd* gradient) const;
+  double prior_value(const Eigen::VectorXd& v, Eigen::VectorXd* gradient) const;
+  bool is_of_body(Eigen::Index bin) const;
+  bool is_of_road(Eigen::Index bin) const;
+  double omega(Eigen::Index bin) const { return speeds_.front()->omega(bin); }
+
+  CarPrior prior_;
+  std::vector<const SpectralMoments*> speeds_;
+  Eigen::Index channels_, bins_, residuals_, known_, size_;
+  std::vector<int> parameter_;         ///< of the car that are unknown
+  std::vector<Eigen::Index> channel_;  ///< whose gains are
+  std::array<Eigen::Index, kParameters> place_;
+  std::array<LinearModel, kParameters> unit_;  ///< the model's matrices of each parameter
+  Eigen::MatrixXd coordinates_;                ///< [7 x channel] least squares
+  Eigen::MatrixXd rigid_;                      ///< [channel - 7 x channel] what a rigid body leaves 0
+  Eigen::Vector3d scale_;                      ///< of the body's equations
+};
+
+/// The most probable car.
+struct PosteriorMode {
+  Eigen::VectorXd v;
+  Eigen::MatrixXd covariance;
+  double value = 0.0;
+  int steps = 0;
+  bool converged = false;
+};
+
+/// Searched by Fisher scoring from `start`, steps halved until J falls.
+PosteriorMode posterior_mode(const CarPosterior& posterior, const Eigen::VectorXd& start);
+
+}  // namespace roadbalance
