@@ -7,7 +7,7 @@
 namespace roadbalance {
 namespace {
 
-TEST(Verification, ComesBackAsItWasSent) {
+TEST(WeightCheck, ComesBackAsItWasSent) {
   WeightCheck sent{.wheel = 3,
                    .time_ns = 8,
                    .state = WeightCheckState::kKnown,
@@ -44,7 +44,7 @@ TEST(Verification, ComesBackAsItWasSent) {
   EXPECT_EQ(got->text, "drive1");
 }
 
-TEST(Verification, RefusesWhatCannotBe) {
+TEST(WeightCheck, RefusesWhatCannotBe) {
   const auto taken = [](auto spoil) {
     WeightCheck sent;
     spoil(sent);

@@ -31,7 +31,7 @@ std::complex<double> unbalance(const UnknownVector& x, int wheel) {
 TEST(EstimatedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
   const IdealDrive drive = plateaus({110, 117, 123, 130});
   const Priors known = Priors::of(car());
-  int within = 0, misfits = 0;
+  int within = 0, rejected = 0;
   double squares = 0.0;
   constexpr int kSeeds = 12;
   for (int seed = 1; seed <= kSeeds; ++seed) {
@@ -50,7 +50,7 @@ TEST(EstimatedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
       squares += square;
       EXPECT_FALSE(estimated->first_order[static_cast<std::size_t>(w)].separable);
     }
-    for (const GoodnessOfFit& fit : estimated->fit) misfits += fit.chance < 0.01;
+    for (const GoodnessOfFit& fit : estimated->fit) rejected += fit.chance < 0.01;
     EXPECT_TRUE(estimated->model.isZero()) << "the demonstration car's masses and tyre dampers are exact";
     EXPECT_GT(estimated->suspension.condition, 1.0);
     EXPECT_LT(estimated->suspension.condition, 50.0);
@@ -61,7 +61,7 @@ TEST(EstimatedDrive, EllipsesHoldTheTruthAndAllSpeedsFit) {
   // Nor are they too wide, which all 48 within would not show: of 96 squares of unit normals the mean is
   // below 0.61 in one case of a thousand (Wilson and Hilferty), and the widening for 40 groups is 1.11.
   EXPECT_GT(squares / (2.0 * 4 * kSeeds), 0.61 / 1.11);
-  EXPECT_LE(misfits, 4) << "of 60, 1 in 100 each";
+  EXPECT_LE(rejected, 4) << "of 60, 1 in 100 each";
 }
 
 TEST(EstimatedDrive, TellsWheelsThatAreLighterThanVehicleTomlSays) {

@@ -31,7 +31,7 @@ Draw draw(std::mt19937_64& random, int n, const Eigen::Vector2d& truth) {
   return result;
 }
 
-TEST(GoodnessOfFitOf, FindsAChanceOfFivePercentInFivePercentOfSoundCars) {
+TEST(GoodnessOfFit, FindsAChanceOfFivePercentInFivePercentOfSoundCars) {
   for (const int n : {6, 12, 40}) {
     std::mt19937_64 random(1);
     constexpr int kDraws = 20'000;
@@ -45,7 +45,7 @@ TEST(GoodnessOfFitOf, FindsAChanceOfFivePercentInFivePercentOfSoundCars) {
   }
 }
 
-TEST(GoodnessOfFitOf, SaysHowLargeTheCauseWouldHaveToBe) {
+TEST(GoodnessOfFit, SaysHowLargeTheCauseWouldHaveToBe) {
   std::mt19937_64 random(2);
   const Eigen::Vector2d grows(3.0, -2.0);
   const double cause = 0.25;
@@ -64,7 +64,7 @@ TEST(GoodnessOfFitOf, SaysHowLargeTheCauseWouldHaveToBe) {
   EXPECT_NEAR(stated / sigma, 1.0, 0.08);  // estimated weights cost 1.3 %, the widening adds 5 %
 }
 
-TEST(GoodnessOfFitOf, JudgesNothingByTooFewGroupsOrWithoutScatter) {
+TEST(GoodnessOfFit, JudgesNothingByTooFewGroupsOrWithoutScatter) {
   const Eigen::Matrix2d unit = Eigen::Matrix2d::Identity();
   EXPECT_EQ(goodness_of_fit({9.0, 9.0}, unit, {1.0, 0.0}, 3).chance, 1.0);
   EXPECT_EQ(goodness_of_fit({9.0, 9.0}, Eigen::Matrix2d::Zero(), {1.0, 0.0}, 30).sigma_share, 0.0);
