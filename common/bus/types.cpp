@@ -1,6 +1,7 @@
 #include "common/bus/types.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <wire/clock_exchange_t.hpp>
 #include <wire/clock_fit_t.hpp>
 #include <wire/commit_t.hpp>
@@ -32,7 +33,9 @@ namespace {
 
 template <typename Message>
 RecordedType type_of(std::string_view text) {
-  return {.name = std::string("wire.") + Message::getTypeName(),
+  std::string name = "wire.";
+  name += Message::getTypeName();
+  return {.name = std::move(name),
           .fingerprint = Message::getHash(),
           .bytes = wire_format::size_of<Message>(),
           .text = text};
