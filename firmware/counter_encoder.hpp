@@ -48,6 +48,8 @@ class CounterEncoder {
   std::int64_t breaks() const noexcept {
     return unwrap_.counters().ambiguous + unwrap_.counters().implausible + angle_.moved();
   }
+  /// CounterAngle::mark_counts.
+  std::array<int, 2> mark_counts() const noexcept { return angle_.mark_counts(); }
   /// Marks that lay elsewhere than those before them.
   std::int64_t marks_elsewhere() const noexcept { return angle_.elsewhere(); }
 

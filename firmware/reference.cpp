@@ -108,7 +108,9 @@ std::int32_t Reference::fill_known(std::span<std::array<std::int32_t, kChannels>
 EncoderFaults Reference::faults(int line) const noexcept {
   const auto at = static_cast<std::size_t>(line);
   if (counter_[at])
-    return {.breaks = counter_[at]->breaks(), .marks_elsewhere = counter_[at]->marks_elsewhere()};
+    return {.breaks = counter_[at]->breaks(),
+            .marks_elsewhere = counter_[at]->marks_elsewhere(),
+            .mark_counts = counter_[at]->mark_counts()};
   if (!encoder_[at]) return {};
   return {.turns = encoder_[at]->faulty_turns(), .mark_counts = encoder_[at]->mark_counts()};
 }

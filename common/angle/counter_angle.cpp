@@ -19,7 +19,8 @@ CounterForm of_ring(CounterForm form, std::int64_t pulses_per_turn) {
   return form;
 }
 
-CounterAngle::CounterAngle(std::int64_t pulses_per_turn) : pulses_(static_cast<double>(pulses_per_turn)) {
+CounterAngle::CounterAngle(std::int64_t pulses_per_turn)
+    : pulses_(static_cast<double>(pulses_per_turn)), counted_(static_cast<int>(pulses_per_turn)) {
   if (pulses_per_turn < 1) throw std::invalid_argument("pulse counter: pulses_per_turn must be at least 1");
 }
 
@@ -45,7 +46,15 @@ bool CounterAngle::mark(std::int64_t time_ns, const CounterTrack& track) noexcep
     run_ = track.run();
     place_ = other_ = {};
     elsewhere_in_a_row_ = 0;
+    counted_.forget();
+    late_marks_ = 0;
   }
+  if (late_marks_ == late_.size()) {
+    std::copy(late_.begin() + 1, late_.end(), late_.begin());
+    --late_marks_;
+  }
+  late_[late_marks_++] = position->pulses;
+  counted_.add(position->pulses);
   const double phase = kTurn * position->pulses / pulses_;
   if (is_elsewhere(phase)) {
     hear_of_another_place(phase, *position);
@@ -55,6 +64,16 @@ bool CounterAngle::mark(std::int64_t time_ns, const CounterTrack& track) noexcep
   elsewhere_in_a_row_ = 0;
   place_.add(phase, *position);
   return true;
+}
+
+bool CounterAngle::is_ambiguous() const noexcept {
+  if (late_marks_ < 2) return false;
+  const double turns = (late_[late_marks_ - 1] - late_[0]) / pulses_;
+  return static_cast<double>(late_marks_ - 1) > kMostATurn * turns;
+}
+
+std::array<int, 2> CounterAngle::mark_counts() const noexcept {
+  return is_ambiguous() || !agree(place_) ? counted_.counts() : std::array<int, 2>{};
 }
 
 /// Only where the marks before agree: of a wrong number of pulses each lies elsewhere.
@@ -94,7 +113,7 @@ double CounterAngle::scatter_pulses(const Place& place) const noexcept {
 std::optional<CounterAngle::Angle> CounterAngle::at(std::int64_t time_ns,
                                                     const CounterTrack& track) const noexcept {
   if (place_.marks == 0 || run_ != track.run()) return std::nullopt;
-  if (elsewhere_in_a_row_ >= kMostElsewhere || !agree(place_)) return std::nullopt;
+  if (elsewhere_in_a_row_ >= kMostElsewhere || is_ambiguous() || !agree(place_)) return std::nullopt;
   const double scatter = scatter_pulses(place_), expected = expected_pulses(place_);
   const auto n = static_cast<double>(place_.marks);
   const auto position = track.at(time_ns);

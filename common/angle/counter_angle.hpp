@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
 #include "common/angle/counter_track.hpp"
 #include "common/angle/counter_unwrap.hpp"
+#include "common/angle/mark_count.hpp"
 
 namespace roadbalance {
 
@@ -21,6 +23,9 @@ CounterForm of_ring(CounterForm form, std::int64_t pulses_per_turn);
 /// or the control unit has lost counts and the mark is right.  Only the next mark decides: the angle is
 /// uncertain after one, there is none after kMostElsewhere in a row, and where kSettled of these agree on
 /// another place that is the place.  Without a mark there is no angle, only an angle turned through.
+///
+/// Where more than kMostATurn marks came a turn of late, a second one lies on the wheel, however near: no
+/// place is the mark's, and there is no angle.
 class CounterAngle {
  public:
   struct Angle {
@@ -34,6 +39,7 @@ class CounterAngle {
   static constexpr int kSettled = 8;
   static constexpr int kMostElsewhere = 2;
   static constexpr int kMemory = 256;
+  static constexpr double kMostATurn = 4.0 / 3.0;
 
   /// @throws std::invalid_argument if pulses_per_turn < 1
   explicit CounterAngle(std::int64_t pulses_per_turn);
@@ -53,6 +59,9 @@ class CounterAngle {
   std::int64_t elsewhere() const noexcept { return elsewhere_; }
   /// Times that they came to have another place in the same run: the control unit lost counts.
   std::int64_t moved() const noexcept { return moved_; }
+
+  /// Marks do not name a pulse of the turn: the pulses that were counted between them (MarkCount::counts).
+  std::array<int, 2> mark_counts() const noexcept;
 
   std::int64_t marks() const noexcept { return place_.marks; }
   /// Standard deviation of one mark about their mean, pulses.
@@ -74,10 +83,14 @@ class CounterAngle {
   static double widest_pulses(const Place& place) noexcept;
   bool agree(const Place& place) const noexcept { return scatter_pulses(place) <= widest_pulses(place); }
   bool is_elsewhere(double phase) const noexcept;
+  bool is_ambiguous() const noexcept;
   void hear_of_another_place(double phase, const CounterPosition& position) noexcept;
 
   double pulses_;  ///< of a turn
   std::int64_t run_ = 0;
+  MarkCount counted_;
+  std::array<double, MarkCount::kWindow> late_{};  ///< pulses of the latest marks of the run, in order
+  std::size_t late_marks_ = 0;
   Place place_;
   Place other_;  ///< of the marks in a row that lay elsewhere
   int elsewhere_in_a_row_ = 0;

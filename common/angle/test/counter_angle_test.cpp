@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -155,6 +156,11 @@ class SteadyCounter {
       track_.add(message_ * 20'000'000, 30 * message_, 1);
     return angle.mark(mark_ns, track_);
   }
+  /// One more in the same turn, so many pulses behind the first one's place.
+  bool second_mark(double behind_pulses) {
+    next_ns_ -= kTurn_ns;
+    return mark(behind_pulses);
+  }
   /// At the instant of the last mark's place.
   std::optional<double> angle_deg() const {
     const auto found = angle.at(next_ns_, track_);
@@ -217,6 +223,36 @@ TEST(CounterAngle, FollowsASmallLossWithinItsMemory) {
     ASSERT_TRUE(counter.mark(1.0)) << "too little to be elsewhere";
   // 1/e of the older ones is left; in a mean over all 2000 it would be 0.89.
   EXPECT_NEAR(*counter.angle_deg(), -(1.0 - std::exp(-1.0)) * 360.0 / 96.0, 0.02 * 3.75);
+}
+
+TEST(CounterAngle, IsNotGivenWhereTwoMarksLieOnTheWheelHoweverNear) {
+  // 96 pulses a turn; a magnet and a bolt head, 15 degrees apart to half a turn.
+  for (const double apart : {4.0, 8.0, 16.0, 33.0, 48.0}) {
+    SteadyCounter counter;
+    for (int turn = 0; turn < 50; ++turn) {
+      (void)counter.mark(0.0);
+      (void)counter.second_mark(apart);
+      if (turn > 0) EXPECT_FALSE(counter.angle_deg()) << apart << " at turn " << turn;
+    }
+    const std::array<int, 2> counts = counter.angle.mark_counts();
+    const int near = static_cast<int>(std::lround(apart)), far = 96 - near;
+    EXPECT_TRUE((counts == std::array{near, far}) || (counts == std::array{far, near}) ||
+                (near == far && counts == std::array{48, 0}))
+        << apart << ": " << counts[0] << ", " << counts[1];
+  }
+}
+
+TEST(CounterAngle, StandsAFalseMarkInFiveTurns) {
+  SteadyCounter counter;
+  for (int turn = 0; turn < 100; ++turn) {
+    (void)counter.mark(0.0);
+    if (turn > 20) {
+      ASSERT_TRUE(counter.angle_deg()) << turn;
+      EXPECT_NEAR(*counter.angle_deg(), 0.0, 1e-6);
+      EXPECT_EQ(counter.angle.mark_counts(), (std::array{0, 0}));
+    }
+    if (turn > 20 && turn % 5 == 0) (void)counter.second_mark(11.0 + turn % 37);
+  }
 }
 
 TEST(CounterAngle, RefusesWhatCannotBe) {
