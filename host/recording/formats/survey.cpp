@@ -14,6 +14,7 @@
 #include "host/recording/manifest.hpp"
 #include "host/recording/preamble.hpp"
 #include "host/recording/recorded_vehicle.hpp"
+#include "host/recording/set_clocks.hpp"
 
 namespace roadbalance {
 namespace {
@@ -30,6 +31,7 @@ class Surveyor {
     if (const auto fit = clocks_.take(event.channel, event.data)) take_fit(*fit);
     if (event.channel != kNoteChannel) return;
     const auto note = decode_note(event.data);
+    if (note) set_clocks_.take(*note);
     if (note && note->kind == NoteKind::kImported) found_.imported = true;
     if (!note || note->kind != NoteKind::kMark) return;
     // A recorder that was killed may have noted it before: it is noted again under the same number.
@@ -48,6 +50,7 @@ class Surveyor {
     for (const auto& span : found_.span)
       if (span.first_fit) first_ns = std::min(first_ns.value_or(span.first_host_ns()), span.first_host_ns());
     const auto utc_us = first_ns ? clocks_.utc_us(*first_ns) : std::nullopt;
+    if (!utc_us && begins_at_) found_.start_utc_us = set_clocks_.utc_us(*begins_at_);
     if (!utc_us) return;
     found_.start_utc_us = utc_us;
     found_.start_by_clock = true;
@@ -96,8 +99,8 @@ class Surveyor {
     const auto fit = early_fit_.find({header.node, header.epoch});
     if (fit != early_fit_.end()) span.first_fit = fit->second;
     found_.span.push_back(span);
-    if (!found_.start_utc_us && event.timestamp_us > 0 && event.timestamp_us <= kUtcLimit_us)
-      found_.start_utc_us = event.timestamp_us;
+    if (!begins_at_ && event.timestamp_us > 0 && event.timestamp_us <= kUtcLimit_us)
+      begins_at_ = set_clocks_.stamp(event.timestamp_us);
   }
 
   void take_fit(const ClockFit& fit) {
@@ -115,6 +118,8 @@ class Surveyor {
 
   RecordingSurvey& found_;
   RecordedClocks clocks_;
+  SetClocks set_clocks_;
+  std::optional<SetClocks::Stamp> begins_at_;  ///< of the first epoch
   InSequence in_sequence_;
   std::map<NodeEpoch, std::size_t> place_;   ///< in found_.span
   std::map<NodeEpoch, ClockFit> early_fit_;  ///< of epochs without a sample so far

@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "common/bus/absence.hpp"
 #include "common/bus/alarm.hpp"
@@ -26,6 +27,7 @@
 #include "host/recording/continued_folders.hpp"
 #include "host/recording/foreign_log.hpp"
 #include "host/recording/manifest.hpp"
+#include "host/recording/set_clocks.hpp"
 #include "host/recording/verify/verify_journal.hpp"
 #include "host/recording/verify/verify_missing.hpp"
 #include "host/recording/verify/verify_presence.hpp"
@@ -40,6 +42,8 @@ struct Reading {
   EpochCheck epochs{};
   JournalCheck journal{};
   PresenceCheck presence{};
+  SetClocks clocks{};
+  std::vector<std::pair<Note, SetClocks::Stamp>> notes{};  // but the pairs of clocks
   HeaderCheck headers{};
   SealedBlock block{};      // the last; here, since making one clears all it holds
   std::set<int> deleted{};  // segments, by the notes
@@ -112,10 +116,16 @@ void take_note(const Note& note, Reading& reading) {
   }
   reading.result.alarms.take(note);
   reading.presence.take(note);
-  if (tells_of_loss(note))
-    reading.result.lost.push_back(note_text(note));
-  else if (note.kind != NoteKind::kClock)
-    reading.result.notes.push_back(note_text(note));
+  reading.clocks.take(note);
+  if (note.kind != NoteKind::kClock) reading.notes.emplace_back(note, reading.clocks.stamp(note.time_us));
+}
+
+/// By the clock as the record's end has it set.
+void list_notes(Reading& reading) {
+  for (auto& [note, stamp] : reading.notes) {
+    note.time_us = reading.clocks.utc_us(stamp);
+    (tells_of_loss(note) ? reading.result.lost : reading.result.notes).push_back(note_text(note));
+  }
 }
 
 void take_other(const RecordReader& reader, const std::filesystem::path& folder, const LogEvent& event,
@@ -263,6 +273,7 @@ Verification verify_record(const std::filesystem::path& folder, Disk& on) {
     reader.finish();
     Reading reading{.result = result};
     read(folder, reader, disk, reading);
+    list_notes(reading);
     if (result.epoch.empty())
       if (const std::string foreign = foreign_words(folder, disk); !foreign.empty())
         throw std::runtime_error(folder.string() + ": " + foreign);

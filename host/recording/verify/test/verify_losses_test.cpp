@@ -110,6 +110,22 @@ TEST_F(VerifyLosses, NamesAnEntryThatWasAlteredWithItsCrc) {
   EXPECT_EQ(v.altered_headers, 1);
 }
 
+// Marked ten seconds after a 1970 clock began, 20 s before it was set to 2026-11-30T08:00:30.
+TEST_F(VerifyLosses, NotesBearTheTimeOfTheClockThatWasSetBehindThem) {
+  constexpr std::int64_t kSecond_us = 1'000'000, kNow_us = 1'796'025'630 * kSecond_us;
+  const auto note = [this](NoteKind kind, std::int64_t time_us, std::int64_t a) {
+    writer->append(kNoteChannel, encode(Note{.time_us = time_us, .kind = kind, .a = a, .text = {}}), 0);
+  };
+  put_scans(0);
+  put_end(20);
+  note(NoteKind::kMark, 10 * kSecond_us, 1);
+  note(NoteKind::kClockSet, kNow_us, kNow_us - 30 * kSecond_us);
+  const Verification v = result();
+  ASSERT_EQ(v.notes.size(), 2u);
+  EXPECT_TRUE(v.notes[0].starts_with("2026-11-30T08:00:10Z ")) << v.notes[0];
+  EXPECT_TRUE(v.notes[1].starts_with("2026-11-30T08:00:30Z ")) << v.notes[1];
+}
+
 TEST_F(VerifyLosses, ARecorderThatStoppedWithMoreThanIsHereTellsOfALoss) {
   const auto note = [this](NoteKind kind, std::int64_t a, std::int64_t b) {
     writer->append(kNoteChannel, encode(Note{.kind = kind, .a = a, .b = b, .text = {}}), 0);
