@@ -1,8 +1,35 @@
 #include "host/analysis/identify/spectral_moments.hpp"
 
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "common/dsp/linear_filter.hpp"
+#include "common/dsp/window.hpp"
 #include "common/types/angle_units.hpp"
 
 namespace roadbalance {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+
+constexpr double kFrom_hz = 0.75, kTo_hz = 40.0;  ///< below the tyre's belt
+constexpr double kSegment_s = 4.0;
+constexpr double kLineBins = 2.6;  ///< half width of a wheel's line: the Hann window's main lobe and a bit
+constexpr double kHighPass_hz = 0.35;
+/// Hann segments this share of their length apart use 99.9 % of what a record holds; half apart, 95 %.
+constexpr double kHop = 0.375;
+/// Independent bins in a bin of one Hann segment: one over the sum of the squared correlations of bins.
+constexpr double kAlone = 18.0 / 35.0;
+
+/// Coefficients of the Butterworth polynomial of third order: s^3 + d2 s^2 + d1 s + d0.
+Eigen::Array3d high_pass() {
+  const double corner = kTurn * kHighPass_hz;
+  return {corner * corner * corner, 2.0 * corner * corner, 2.0 * corner};
+}
+
+}  // namespace
 
 SpectralMoments& SpectralMoments::operator+=(const SpectralMoments& other) {
   if (other.segments == 0.0) return *this;
@@ -17,8 +44,88 @@ SpectralMoments& SpectralMoments::operator+=(const SpectralMoments& other) {
   return *this;
 }
 
-double SpectralMoments::omega(Eigen::Index bin) const {
+double SpectralMoments::omega(Index bin) const {
   return kTurn * step_hz * static_cast<double>(first + bin);
+}
+
+MotionIntegrals::MotionIntegrals(Index channels, double rate_hz)
+    : denominator_(high_pass()),
+      filter_(discretise_ramp_invariant(companion(denominator_.matrix()), 1.0 / rate_hz), channels) {}
+
+void MotionIntegrals::update(const Eigen::Ref<const Eigen::ArrayXd>& acceleration,
+                             Eigen::Ref<Eigen::ArrayXd> motion) {
+  const Index channels = acceleration.size();
+  // State k is s^k / D(s) of the acceleration.
+  const auto state = filter_.update(acceleration);
+  motion.head(channels) = acceleration - denominator_(0) * state.col(0) - denominator_(1) * state.col(1) -
+                          denominator_(2) * state.col(2);
+  motion.segment(channels, channels) = state.col(2);
+  motion.tail(channels) = state.col(1);
+}
+
+SpectralGatherer::SpectralGatherer(double wheelbase_m, double rate_hz)
+    : wheelbase_m_(wheelbase_m),
+      rate_hz_(rate_hz),
+      fft_(static_cast<int>(std::lround(kSegment_s * rate_hz))) {
+  const std::vector<double> hann = window(Window::kHann, fft_.size());
+  window_ = Eigen::Map<const Eigen::ArrayXd>(hann.data(), fft_.size());
+  window_ /= std::sqrt(window_.square().sum() * rate_hz);
+}
+
+SpectralMoments SpectralGatherer::moments(const Eigen::Ref<const Eigen::MatrixXd>& motion,
+                                          const Eigen::Vector4d& omega, double speed_m_s) {
+  SpectralMoments sum;
+  const Index size = fft_.size();
+  if (motion.cols() < size) return sum;
+  sum.step_hz = rate_hz_ / static_cast<double>(size);
+  sum.first = static_cast<Index>(std::ceil(kFrom_hz / sum.step_hz - 1e-9));
+  const auto last = static_cast<Index>(std::floor(kTo_hz / sum.step_hz + 1e-9));
+  const auto bins = static_cast<std::size_t>(last - sum.first + 1);
+  sum.count.setZero(static_cast<Index>(bins));
+  sum.same.assign(bins, Eigen::MatrixXcd::Zero(motion.rows(), motion.rows()));
+  sum.delayed = sum.same;
+  std::vector<bool> masked(bins, false);
+  for (std::size_t k = 0; k < bins; ++k)
+    for (int i = 0; i < kWheels; ++i) {
+      const double away = (sum.omega(static_cast<Index>(k)) - omega(i)) / (kTurn * sum.step_hz);
+      if (omega(i) > 0.0 && std::abs(away) < kLineBins) masked[k] = true;
+    }
+  const auto room = static_cast<double>(motion.cols() - size);
+  const double hops = std::ceil(room / (kHop * static_cast<double>(size)));
+  const double weight = (kAlone + room / static_cast<double>(size)) / (hops + 1.0);
+  for (double h = 0.0; h <= hops; h += 1.0)
+    add_segment(sum, motion.middleCols(hops == 0.0 ? 0 : std::lround(h * room / hops), size), masked, weight,
+                wheelbase_m_ / speed_m_s);
+  return sum;
+}
+
+void SpectralGatherer::add_segment(SpectralMoments& sum, const Eigen::Ref<const Eigen::MatrixXd>& motion,
+                                   const std::vector<bool>& masked, double weight, double delay_s) {
+  std::vector<double> tapered(static_cast<std::size_t>(fft_.size()));
+  std::vector<Complex> lines(static_cast<std::size_t>(fft_.bins()));
+  const Index bins = sum.bins(), channels = motion.rows() / 3;
+  Eigen::MatrixXcd x(motion.rows(), bins);
+  for (Index row = 0; row < motion.rows(); ++row) {
+    Eigen::Map<Eigen::ArrayXd>(tapered.data(), window_.size()) =
+        motion.row(row).transpose().array() * window_;
+    fft_.forward(tapered, lines);
+    for (Index k = 0; k < bins; ++k) {
+      // The integrals take the acceleration for straight lines between samples: sinc^2 of what it is.
+      const double phase = 0.5 * sum.omega(k) / rate_hz_;
+      const double straight = row < channels ? 1.0 : std::pow(std::sin(phase) / phase, 2);
+      x(row, k) = lines[static_cast<std::size_t>(sum.first + k)] / straight;
+    }
+  }
+  for (Index k = 0; k < bins; ++k) {
+    const auto b = static_cast<std::size_t>(k);
+    if (masked[b]) continue;
+    const Eigen::MatrixXcd product = weight * x.col(k) * x.col(k).adjoint();
+    sum.same[b] += product;
+    sum.delayed[b] += std::polar(1.0, -sum.omega(k) * delay_s) * product;
+    sum.count(k) += weight;
+  }
+  sum.delay_seconds += weight * delay_s;
+  sum.segments += weight;
 }
 
 }  // namespace roadbalance

@@ -4,21 +4,26 @@
 
 #include <Eigen/Core>
 
+#include "common/dsp/fft.hpp"
+#include "common/dsp/state_filter.hpp"
+#include "common/vehicle/linear_model.hpp"
+
 namespace roadbalance {
 
 /// Cross-spectral matrices over bins of frequency, gathered at about one speed; they add.
 ///
-/// Signals are the vertical channels' accelerations y [m], their velocities and their displacements,
-/// integrated before the window is laid on them, so that an equation of motion holds within it: x = [y; y';
-/// y''-integrals], 3 m rows.  Sums over tapered segments of x x^H, and of the same as the rear wheels would
-/// have seen it on the front wheels' road: e^{-j om L/V} x x^H, with each segment's own speed.
+/// Signals x, 3 m rows, are the accelerations of m vertical channels, their velocities and their
+/// displacements (MotionIntegrals).  Sums over Hann-tapered segments of x x^H, and of the same as the rear
+/// wheels would have seen it on the front wheels' road: e^{-j om L/V} x x^H, with each segment's own speed.
+/// Segments in which a wheel's line lies within 2.6 bins of a bin do not count there.  Segments overlap; each
+/// weighs as many independent bins as it brings.
 struct SpectralMoments {
   double step_hz = 0.0;  ///< distance of the bins, the first of which is first * step_hz; 0: nothing yet
   Eigen::Index first = 0;
-  double segments = 0.0;                  ///< their weights' sum
-  double delay_seconds = 0.0;             ///< their sum of wheelbase / V
-  Eigen::ArrayXd count;                   ///< [bin] independent segments in it
-  std::vector<Eigen::MatrixXcd> same;     ///< [bin] 3 m x 3 m
+  double segments = 0.0;               ///< their weights' sum
+  double delay_seconds = 0.0;          ///< their sum of wheelbase / V
+  Eigen::ArrayXd count;                ///< [bin] segments in it
+  std::vector<Eigen::MatrixXcd> same;  ///< [bin] 3 m x 3 m, two-sided density in (m/s^2)^2 / Hz times count
   std::vector<Eigen::MatrixXcd> delayed;  ///< [bin] rows of front wheels against columns of rear ones count
 
   SpectralMoments& operator+=(const SpectralMoments& other);
@@ -26,6 +31,48 @@ struct SpectralMoments {
   Eigen::Index bins() const { return count.size(); }
   double omega(Eigen::Index bin) const;  ///< circular frequency, rad/s
   double delay_s() const { return delay_seconds / segments; }
+};
+
+/// Accelerations, velocities and displacements of channels, all behind one high-pass of third order at 0.35
+/// Hz. They are integrated before a window is laid on them, so that an equation of motion holds within it.
+class MotionIntegrals {
+ public:
+  MotionIntegrals(Eigen::Index channels, double rate_hz);
+
+  /// Settled so long after the first sample: e^-7.
+  static constexpr double kSettling_s = 4.0;
+
+  /// The next sample.  Never allocates.
+  /// @param acceleration  [channel] m/s^2
+  /// @param motion        [3 channels] m/s^2, m/s, m
+  void update(const Eigen::Ref<const Eigen::ArrayXd>& acceleration, Eigen::Ref<Eigen::ArrayXd> motion);
+  void reset() { filter_.reset(); }
+
+ private:
+  Eigen::Array3d denominator_;
+  StateFilter filter_;
+};
+
+/// Makes SpectralMoments of stretches of samples.
+class SpectralGatherer {
+ public:
+  SpectralGatherer(double wheelbase_m, double rate_hz);
+
+  /// Segments evenly over the whole; fewer samples than one segment: nothing.
+  /// @param motion     [3 m x samples] of MotionIntegrals, settled, at a steady speed
+  /// @param omega      rotation rate of each wheel, rad/s; 0: it has no line
+  /// @param speed_m_s  of the car
+  SpectralMoments moments(const Eigen::Ref<const Eigen::MatrixXd>& motion, const Eigen::Vector4d& omega,
+                          double speed_m_s);
+
+ private:
+  void add_segment(SpectralMoments& sum, const Eigen::Ref<const Eigen::MatrixXd>& motion,
+                   const std::vector<bool>& masked, double weight, double delay_s);
+
+  double wheelbase_m_;
+  double rate_hz_;
+  RealFft fft_;
+  Eigen::ArrayXd window_;  ///< its squares' sum is the rate: a periodogram is a density
 };
 
 }  // namespace roadbalance
