@@ -1,5 +1,4 @@
 #include <chrono>
-#include <cstdio>
 #include <exception>
 #include <functional>
 #include <stop_token>
@@ -30,10 +29,10 @@ namespace {
 constexpr std::chrono::seconds kLeastLife{1};
 
 void warn(const std::string& of) {
-  std::fprintf(stderr, "rb-node: warning: %s\n", of.c_str());
+  report("rb-node", "warning: " + of);
 }
 void inform(const std::string& of) {
-  std::fprintf(stderr, "rb-node: %s\n", of.c_str());
+  report("rb-node", of);
 }
 std::function<void()> feed(ServiceNotify& notify) {
   return [&notify, is_ready = false]() mutable {
@@ -73,7 +72,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return report_failure(app, error);
   }
   try {
     ServiceNotify notify;
@@ -99,12 +98,11 @@ int main(int argc, char** argv) {
                                           .on_alive = feed(notify)});
     return lost > 0 ? 3 : 0;
   } catch (const ConfigError& error) {
-    std::fprintf(stderr, "rb-node: %s\n", error.what());
-    return 2;
+    return report_failure(app, error);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "rb-node: %s\n", error.what());
+    const int code = report_failure(app, error);
     // It is started again at once; while a device is not there that is once a second, not ten times.
     if (stays) pause(signals.token(), began + kLeastLife - WallClock::now());
-    return 4;
+    return code;
   }
 }

@@ -8,6 +8,7 @@
 #include "common/command_line/exit_code.hpp"
 #include "common/config/section.hpp"
 #include "common/record/failure_words.hpp"
+#include "common/text/printable.hpp"
 
 namespace roadbalance {
 namespace {
@@ -35,7 +36,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   std::string path = app->get_name();
   for (auto chosen = app->get_subcommands(); !chosen.empty(); chosen = chosen.front()->get_subcommands())
     path += " " + chosen.front()->get_name();
-  return path + ": " + error.what() + "; " + path + " --help says more\n";
+  return path + ": " + printable_text(error.what()) + "; " + path + " --help says more\n";
 }
 
 /// A result that did not reach its reader, of a full disk for one, is no success.
@@ -46,7 +47,7 @@ int written(const CLI::App& app, int code) {
 }
 
 int fail(const CLI::App& app, const std::exception& error, int code) {
-  std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), failure_words(error).c_str());
+  report(app.get_name(), failure_words(error));
   return code;
 }
 
@@ -68,6 +69,19 @@ CLI::App& command_named(CLI::App& app, const std::vector<std::string>& words, co
       return command_named(*command, {words.begin() + 1, words.end()}, path + " " + word);
   throw ConfigError("unknown subcommand " + word + did_you_mean(word, command_names(app)) + "; " + path +
                     " --help lists them");
+}
+
+void report(const std::string& program, const std::string& sentence) {
+  std::fprintf(stderr, "%s: %s\n", program.c_str(), printable_text(sentence).c_str());
+}
+
+int report_failure(CLI::App& app, const std::exception& error) {
+  if (const auto* of_line = dynamic_cast<const CLI::ParseError*>(&error)) {
+    app.failure_message(usage_error);
+    return app.exit(*of_line) == 0 ? kDone : kUsage;
+  }
+  report(app.get_name(), error.what());
+  return dynamic_cast<const ConfigError*>(&error) != nullptr ? kUsage : kCannotAccess;
 }
 
 int run_program(CLI::App& app, std::vector<std::string> words, const int& code) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,17 @@ CLI::App* list_program(CLI::App& app, const std::string& name, const std::string
 /// @param path  by which `app` itself is called
 /// @throws ConfigError naming a word that is no command, and the one that was meant
 CLI::App& command_named(CLI::App& app, const std::vector<std::string>& words, const std::string& path);
+
+/// A line on standard error with the program's name; hidden characters of files, names and keys are shown.
+void report(const std::string& program, const std::string& sentence);
+
+/// Reports why a program without commands ends.  A command line that cannot be parsed gets its help, if it
+/// asks. The remedies of failure_words() are for disks: what such a program fails at may be a device or an
+/// address.
+/// @return an ExitCode: kUsage for a command line or configuration that cannot be used, kDone for --help, or
+/// else
+///         kCannotAccess
+int report_failure(CLI::App& app, const std::exception& error);
 
 /// Runs a program of commands, and reports on standard error what went wrong.
 ///

@@ -103,6 +103,10 @@ struct Section::State {
     const bool short_enough = node.is_value() && text.str().size() <= 60;
     fail_at(line_of(node), key, (short_enough ? "is " + text.str() + "; " : "") + "allowed: " + allowed);
   }
+  void expect_seen(const toml::node& node, const std::string& key, const std::string& text) const {
+    if (const std::string hidden = first_hidden(text); !hidden.empty())
+      fail_at(line_of(node), key, "has the hidden character " + hidden + "; allowed: text that can be seen");
+  }
   double number(const toml::node& node, const std::string& key, Range range) const {
     const auto value = node.is_number() ? node.value<double>() : std::nullopt;
     if (!value || !std::isfinite(*value) || *value < range.low || *value > range.high)
@@ -172,9 +176,7 @@ std::string Section::text(const std::string& key) {
   const toml::node& node = state_->require(key, "a text in quotes");
   const auto* value = node.as_string();
   if (!value) state_->refuse(node, key, "a text in quotes");
-  if (const std::string hidden = first_hidden(**value); !hidden.empty())
-    state_->fail_at(state_->line_of(node), key,
-                    "has the hidden character " + hidden + "; allowed: text that can be seen");
+  state_->expect_seen(node, key, **value);
   return **value;
 }
 
@@ -193,6 +195,7 @@ std::vector<std::string> Section::texts_or(const std::string& key, std::vector<s
   for (const toml::node& element : *array) {
     const auto* value = element.as_string();
     if (!value) state_->refuse(element, key, allowed);
+    state_->expect_seen(element, key, **value);
     values.push_back(**value);
   }
   return values;

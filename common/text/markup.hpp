@@ -1,17 +1,24 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
+
+#include "common/text/printable.hpp"
 
 namespace roadbalance {
 
 /// `text` for an element or an attribute in double quotes of HTML, SVG or XML: characters with a meaning
-/// there are escaped; control characters, of which they allow but tabulator and new line, become blanks.
-/// Source: Extensible Markup Language 1.0, 5th ed., 2.2 and 2.4.
+/// there are escaped; hidden ones, of which XML forbids some, are shown ("\x1B"), but tabulator and new line,
+/// which are blanks there.  Source: Extensible Markup Language 1.0, 5th ed., 2.2 and 2.4.
 inline std::string markup_text(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
-    if (c == '&')
+  for (std::size_t k = 0; k < text.size();) {
+    const char c = text[k];
+    const HiddenCharacter hidden = c == '\n' || c == '\t' ? HiddenCharacter{} : hidden_character(text, k);
+    if (hidden.bytes > 0)
+      escaped += shown(hidden);
+    else if (c == '&')
       escaped += "&amp;";
     else if (c == '<')
       escaped += "&lt;";
@@ -19,10 +26,9 @@ inline std::string markup_text(std::string_view text) {
       escaped += "&gt;";
     else if (c == '"')
       escaped += "&quot;";
-    else if (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t')
-      escaped += ' ';
     else
       escaped += c;
+    k += hidden.bytes > 0 ? hidden.bytes : 1;
   }
   return escaped;
 }

@@ -1,5 +1,4 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <string>
@@ -13,21 +12,10 @@
 #include "host/analyser/analyser.hpp"
 #include "host/analyser/follow_recordings.hpp"
 
-namespace {
-
-int fail(const std::exception& error, int code) {
-  std::fprintf(stderr, "rb-analyser: %s\n", error.what());
-  return code;
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
   const roadbalance::StopOnSignal signals;
   roadbalance::AnalyserOptions options;
-  options.on_warning = [](const std::string& sentence) {
-    std::fprintf(stderr, "rb-analyser: %s\n", sentence.c_str());
-  };
+  options.on_warning = [](const std::string& sentence) { roadbalance::report("rb-analyser", sentence); };
   CLI::App app("Turns a growing record and the live bus into levels, spectra, identification and balance.",
                "rb-analyser");
   roadbalance::add_bus_url(app, options.url);
@@ -59,14 +47,10 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (!std::filesystem::exists(options.record))
-      std::fprintf(stderr, "rb-analyser: waiting for a record in %s\n", options.record.c_str());
+      roadbalance::report("rb-analyser", "waiting for a record in " + options.record.string());
     roadbalance::run_analyser(signals.token(), options);
     return 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const roadbalance::ConfigError& error) {
-    return fail(error, 2);
   } catch (const std::exception& error) {
-    return fail(error, 4);
+    return roadbalance::report_failure(app, error);
   }
 }

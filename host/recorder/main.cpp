@@ -133,14 +133,14 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return report_failure(app, error);
   }
   if (folder.empty() && recordings.empty()) {
     std::fprintf(stderr, "rb-recorder: --record or --recordings must say where to\n");
     return 2;
   }
   if (const std::string fault = start ? fault_of_new_name(*start) : ""; !fault.empty()) {
-    std::fprintf(stderr, "rb-recorder: --start %s: %s\n", start->c_str(), fault.c_str());
+    report("rb-recorder", "--start " + *start + ": " + fault);
     return 2;
   }
   if (options.end_with_nodes && options.nodes.empty()) {
@@ -152,12 +152,10 @@ int main(int argc, char** argv) {
   options.keeps_awake = true;
   sizes.apply_to(options);
   options.on_cut_tail = [](const RecordWriter::CutTail& tail) {
-    std::fprintf(stderr, "rb-recorder: cut a torn tail of %ju bytes off %s; it is kept in %s\n",
-                 static_cast<std::uintmax_t>(tail.cut), tail.segment.c_str(), tail.tail.c_str());
+    report("rb-recorder", "cut a torn tail of " + std::to_string(tail.cut) + " bytes off " +
+                              tail.segment.string() + "; it is kept in " + tail.tail.string());
   };
-  options.on_warning = [](const std::string& sentence) {
-    std::fprintf(stderr, "rb-recorder: %s\n", sentence.c_str());
-  };
+  options.on_warning = [](const std::string& sentence) { report("rb-recorder", sentence); };
   try {
     keep_heap();
     StopOnSignal signals;
@@ -172,14 +170,9 @@ int main(int argc, char** argv) {
                       {.recorder = options, .recordings = recordings, .vehicle = vehicle, .start = start});
     if (json) std::printf("%s\n", report_json(report).c_str());
     return 0;
-  } catch (const ConfigError& error) {
-    std::fprintf(stderr, "rb-recorder: %s\n", error.what());
-    return 2;
   } catch (const std::invalid_argument& error) {
-    std::fprintf(stderr, "rb-recorder: %s\n", error.what());
-    return 2;
+    return report_failure(app, ConfigError(error.what()));
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "rb-recorder: %s\n", error.what());
-    return 4;
+    return report_failure(app, error);
   }
 }

@@ -180,7 +180,7 @@ int main(int argc, char** argv) {
     processes.wait();
     return 0;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return report_failure(app, error);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rb-recordings: %s\n", failure_words(error).c_str());
     return 4;

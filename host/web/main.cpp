@@ -41,13 +41,8 @@ struct Options {
   std::string token_file;
 };
 
-int fail(const std::exception& error, int code) {
-  std::fprintf(stderr, "rb-web: %s\n", error.what());
-  return code;
-}
-
 void warn(const std::string& sentence) {
-  std::fprintf(stderr, "rb-web: %s\n", sentence.c_str());
+  report("rb-web", sentence);
 }
 
 bool is_loopback(const std::string& address) {
@@ -212,11 +207,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     serve(options, signals.token());
     return 0;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const ConfigError& error) {
-    return fail(error, 2);
   } catch (const std::exception& error) {
-    return fail(error, 4);
+    return report_failure(app, error);
   }
 }

@@ -209,8 +209,8 @@ void print_info(const Survey& found, const Verification& result, const Described
   for (const auto& [number, size] : found.segment_bytes) bytes += size;
   const RecordDescription& by = described.record;
   if (by.format_version > 0)
-    std::printf("written by %s, format %d, %zu message types described in it\n", by.program.c_str(),
-                by.format_version, by.types.size());
+    std::printf("written by %s, format %d, %zu message types described in it\n",
+                printable_text(by.program).c_str(), by.format_version, by.types.size());
   std::printf("vehicle %s\n%zu segments, %.1f MiB, written within %.1f s\n", described.name.c_str(),
               found.segment_bytes.size(), static_cast<double>(bytes) / (1 << 20),
               static_cast<double>(found.last_us - found.first_us) * 1e-6);
@@ -247,7 +247,7 @@ Described describe(const std::filesystem::path& folder) {
     described.vehicle = recorded_vehicle(folder);
     if (described.vehicle) described.name = described.vehicle->name;
   } catch (const std::exception& error) {
-    described.name = std::string("cannot be used: ") + error.what();
+    described.name = printable_text(std::string("cannot be used: ") + error.what());
   }
   return described;
 }

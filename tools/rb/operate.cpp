@@ -12,6 +12,7 @@
 #include "common/config/section.hpp"
 #include "common/config/validators.hpp"
 #include "common/config/vehicle_config.hpp"
+#include "common/text/printable.hpp"
 #include "common/types/angle_units.hpp"
 #include "common/types/block.hpp"
 #include "common/types/scan.hpp"
@@ -145,9 +146,15 @@ auto at_most(std::size_t bytes) {
   };
 }
 
+/// A message has no control characters; sent as blanks, they would make another text than was typed.
+std::string fault_of_text(const std::string& text) {
+  const std::string hidden = first_hidden(text);
+  return hidden.empty() ? "" : "has the hidden character " + hidden + "; allowed: text that can be seen";
+}
+
 void add_text(CLI::App& command, const std::string& name, const std::shared_ptr<AskOptions>& options,
               std::size_t most_bytes, const std::string& help) {
-  command.add_option(name, options->request.text, help)->check(at_most(most_bytes));
+  command.add_option(name, options->request.text, help)->check(at_most(most_bytes))->check(fault_of_text);
 }
 
 /// A wheel by its name, as requests count them.
@@ -207,7 +214,8 @@ void add_start(CLI::App& app, int& code) {
           "--nodes", options->request.nodes,
           "record only these, for example front,2; default: every one of the vehicle file, and without "
           "one of them the recording is partial (exit code 3)")
-      ->check(at_most(kMostNodesText));
+      ->check(at_most(kMostNodesText))
+      ->check(fault_of_text);
 }
 
 void add_stop(CLI::App& app, int& code) {
@@ -263,7 +271,8 @@ void add_vehicle(CLI::App& app, int& code) {
   CLI::App* vehicle = app.add_subcommand("vehicle", "Chooses the vehicle file among the recorder's");
   const auto options = add_asking(*vehicle, Operation::kVehicle, code);
   vehicle->add_option("name", options->request.text, "of the file in the folder of rb-recorder --vehicle")
-      ->required();
+      ->required()
+      ->check(fault_of_text);
 }
 
 }  // namespace roadbalance

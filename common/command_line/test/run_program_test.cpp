@@ -62,6 +62,18 @@ TEST_F(Program, SaysInALineWhatWentWrong) {
       << said.errors;
 }
 
+// A name, a key or a path in it is foreign.
+TEST_F(Program, SaysItInOneLineWithoutHiddenCharacters) {
+  EXPECT_EQ(run({"take", "--\x1b[2J\n"}).errors.find_first_of("\x1b"), std::string::npos);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(report_failure(app_, ConfigError("car.toml:1: a\x1b[2J\nb: unknown key")), kUsage);
+  EXPECT_EQ(report_failure(app_, std::runtime_error("/media/\u202Ea: no such disk")), kCannotAccess);
+  report("rb-node", "drive\ncomplete");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "car: car.toml:1: a\\x1B[2J\\x0Ab: unknown key\ncar: /media/\\u202Ea: no such disk\n"
+            "rb-node: drive\\x0Acomplete\n");
+}
+
 TEST_F(Program, NamesTheCommandThatWasMeant) {
   EXPECT_EQ(run({"takes"}).errors,
             "car: unknown subcommand takes (did you mean take?); car --help lists them\n");

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <regex>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -206,7 +207,8 @@ TEST(VehicleConfig, NamesFileLineKeyAndWhatIsAllowed) {
       {"node = \"front\"", "node = \"roof\"", "node = \"roof\"",
        "node: there is no node \"roof\"; allowed: front, rear"},
       {"line = 1", "line = 0",
-       "name = \"front_right\"\nmass_kg = 34\nmass_sigma_kg = 0\nrotating_mass_kg = 26\nrolling_radius_m = 0.30\n"
+       "name = \"front_right\"\nmass_kg = 34\nmass_sigma_kg = 0\nrotating_mass_kg = 26\nrolling_radius_m = "
+       "0.30\n"
        "weight_radius_m = 0.19\nnode = \"front\"\nline",
        "line: line 0 of node front has a wheel already"},
       {"line = 1", "line = 2", "line = 2", "line: is 2; allowed: an integer 0 .. 1"},
@@ -232,6 +234,16 @@ TEST(VehicleConfig, RefusesMoreChannelsThanAConverterHas) {
   const std::string thirteenth =
       "[[node.channel]]\nname = \"one_more\"\nmount = \"body\"\nposition_m = [0, 0, 0]\nrange_m_s2 = 50\n";
   EXPECT_NE(refusal(demo() + thirteenth).find("has 13 channels; allowed: at most 12"), std::string::npos);
+}
+
+// A name is printed in a line of its own: a new line in it would be another line, "complete" for one.
+TEST(VehicleConfig, RefusesTextsWithCharactersThatNobodySees) {
+  for (const auto& [written, shown] :
+       {std::pair{"car\\ncomplete", "\\x0A"}, std::pair{"a\\tb", "\\x09"}, std::pair{"x\\uFE0F", "\\uFE0F"},
+        std::pair{"x\\U000E0041", "\\U000E0041"}}) {
+    const std::string error = refusal(changed("demonstration car\"", std::string(written) + "\""));
+    EXPECT_NE(error.find("has the hidden character " + std::string(shown)), std::string::npos) << error;
+  }
 }
 
 TEST(VehicleConfig, RefusesAFileThatIsNoToml) {

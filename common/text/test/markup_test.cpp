@@ -14,8 +14,9 @@ TEST(Markup, WhatIsEscapedIsNotTakenForAnEntity) {
   EXPECT_EQ(markup_text("&lt;"), "&amp;lt;");
 }
 
-TEST(Markup, ControlCharactersBecomeBlanks) {
-  EXPECT_EQ(markup_text(std::string_view("a\0b\x1b[1m\r", 8)), "a b [1m ");
+TEST(Markup, HiddenCharactersAreShown) {
+  EXPECT_EQ(markup_text(std::string_view("a\0b\x1b[1m\r", 8)), "a\\x00b\\x1B[1m\\x0D");
+  EXPECT_EQ(markup_text("drive\u202Elmth.<"), "drive\\u202Elmth.&lt;");
 }
 
 }  // namespace

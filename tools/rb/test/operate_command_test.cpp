@@ -71,6 +71,24 @@ Answer done(std::string text) {
   return {.state = AnswerState::kDone, .text = std::move(text)};
 }
 
+// The bus has no control characters: sent as blanks, they would make another name than was typed.
+TEST_F(OperateCommand, ATextWithAHiddenCharacterIsRefusedBeforeItIsSent) {
+  const Answering recorder(url_, done("recorded"));
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"start",
+                                                                         "a\x1b"
+                                                                         "b"},
+                                                {"start", "a\nb"},
+                                                {"mark", "a\tb"},
+                                                {"vehicle", "a\u202E.toml"},
+                                                {"start", "--nodes", "front\x01", "drive"}}) {
+    const test::Outcome refused = rb(words);
+    EXPECT_EQ(refused.code, 2) << refused.log;
+    EXPECT_NE(refused.log.find("hidden character \\"), std::string::npos) << refused.log;
+    EXPECT_EQ(refused.log.find_first_of("\x01\x1b"), std::string::npos) << refused.log;
+  }
+  EXPECT_EQ(recorder.heard().asker, 0) << "none was sent";
+}
+
 TEST_F(OperateCommand, AStartNamesItsNodesAndIsIncompleteWhereOneIsMissing) {
   Answer partial = done("\"drive\" is being recorded; PARTIAL: node 2 (rear) is not on the bus");
   partial.value[0] = 1.0;
