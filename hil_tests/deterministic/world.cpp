@@ -526,7 +526,7 @@ void World::check_finished() {
 
 namespace {
 
-/// Shorter ones may go unnoticed where no epoch shows them.
+/// Shorter silences may go unnoticed where no epoch shows them.
 constexpr std::int64_t kSurely_ns = 4 * kSecond_ns;
 constexpr std::int64_t kMoment_ns = kSecond_ns;
 constexpr double kNear_s = 1.5;  // lost heartbeats, and the time to be claimed and started
@@ -552,6 +552,14 @@ std::vector<TrueAbsence> true_absences(const Truth& truth, std::int32_t node, st
   now.to_end = true;
   all.push_back(now);
   return all;
+}
+
+// A node tells its end in each of its heartbeats, of which several in a row are not lost; and that it never
+// came is known in the end, however short the recording was.
+bool is_surely_noticed(const TrueAbsence& is) {
+  const std::int64_t lasts_ns = is.to_ns - is.from_ns;
+  if (!is.to_end || is.cause == AbsenceCause::kSilent) return lasts_ns >= kSurely_ns;
+  return is.cause == AbsenceCause::kNeverCame || lasts_ns >= kMoment_ns;
 }
 
 bool are_one(const TrueAbsence& is, const Absence& said, std::int64_t said_ns) {
@@ -584,7 +592,7 @@ void World::check_absences() {
         is.to_end = all[++k].to_end;
         found = find(is);
       }
-      const bool surely = is.to_ns - is.from_ns >= kSurely_ns;
+      const bool surely = is_surely_noticed(is);
       is_any = is_any || surely;
       if (found == said.end() && surely)
         truth_.fault("node " + std::to_string(node) + " was absent from " +

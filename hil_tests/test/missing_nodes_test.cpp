@@ -68,6 +68,7 @@ TEST_F(MissingNodes, OfANodeWhoseServiceEndsIt) {
     rear.signal(signal);
     EXPECT_TRUE(is_absent(kRear, AbsenceCause::kProgramEnded));
     expect_told(name, "ended ");
+    EXPECT_NE(identify_record(recordings / name).refusal.find("node 2 (rear) ended "), std::string::npos);
     rear = staying("rear");
   }
 }

@@ -8,6 +8,8 @@ namespace {
 
 constexpr std::size_t kMostPast = 256;  // a node that flaps for days
 constexpr std::size_t kMostFormer = 8;
+// Ten heartbeats: who is not heard for so long has perhaps not heard either.
+constexpr std::chrono::seconds kMoment{1};
 
 double length_s(WallTime::duration time) {
   return std::chrono::duration<double>(time).count();
@@ -51,8 +53,10 @@ void NodePresence::begin(WallTime now) {
 }
 
 void NodePresence::take_foreign(std::int32_t number, WallTime now) {
-  if (const auto node = nodes_.find(number); node != nodes_.end() && !node->second.came)
-    node->second.heard = now;
+  const auto node = nodes_.find(number);
+  if (node == nodes_.end() || node->second.came) return;
+  node->second.heard = now;
+  node->second.is_foreign = true;
 }
 
 void NodePresence::take(const Heartbeat& beat, WallTime now) {
@@ -70,14 +74,16 @@ void NodePresence::take(const Heartbeat& beat, WallTime now) {
   if (beat.is_over()) {
     if (other_epoch) return;
     const bool was_cut_off = node.cause == AbsenceCause::kSilent;
-    // Behind the stop each node ends as commanded; one that was cut off has measured till then.
-    if (stopped_ && !was_cut_off) return;
+    if (stopped_ && !was_cut_off && !has_ended_early(node, beat, now)) {
+      node.came = node.came || beat.end_cause == AbsenceCause::kStopped;
+      return;
+    }
     node.came = node.is_over = true;
     node.epoch = beat.epoch;
     node.heard = now;
     if (stopped_ && beat.end_cause == AbsenceCause::kStopped) return find(beat.node, node, false, now);
     if (node.cause == AbsenceCause::kNone || was_cut_off)
-      lose(node, beat.end_cause, was_cut_off ? node.since : now, now);
+      lose(node, beat.end_cause, was_cut_off ? node.since : std::min(now, stopped_.value_or(now)), now);
     if (stopped_ && is_missed(node)) note_missing(beat.node, node, node.cause);
     return;
   }
@@ -88,7 +94,7 @@ void NodePresence::take(const Heartbeat& beat, WallTime now) {
   } else if (other_epoch && node.cause == AbsenceCause::kNone) {
     // It was started again before it was missed, unless it is heard again.
     if (std::exchange(node.next_epoch, beat.epoch) != beat.epoch) node.next_at = now;
-    if (now - node.heard < kEndsTogether) return;
+    if (now - node.heard < kMoment) return;
     there = node.next_at;
     lose(node, AbsenceCause::kSilent, node.heard, now);
   }
@@ -128,6 +134,13 @@ bool NodePresence::is_missed(const Node& node) const {
       break;
   }
   return true;
+}
+
+// Behind the stop each node ends as commanded, and one that was cut off has measured till then.  But a node
+// that can hear the command and ends otherwise did so before the instant that it names.
+bool NodePresence::has_ended_early(const Node& node, const Heartbeat& last, WallTime now) const {
+  return stop_ == Stop::kAsked && last.end_cause != AbsenceCause::kStopped && node.came &&
+         now - node.heard < kMoment;
 }
 
 void NodePresence::note_missing(std::int32_t number, Node& node, AbsenceCause cause) {
@@ -182,8 +195,30 @@ void NodePresence::turn(WallTime now, std::vector<NoteToRecord>& notes) {
   notes_.clear();
 }
 
-void NodePresence::stop(WallTime now) {
-  if (!stopped_) stopped_ = now;
+void NodePresence::stop(WallTime now, Stop how) {
+  if (stopped_ || !options_.misses) return;
+  if (!began_) begin(now);
+  stopped_ = now;
+  stop_ = how;
+  for (auto& [number, node] : nodes_) {
+    const bool ends_together = how == Stop::kBySignal && node.cause == AbsenceCause::kProgramEnded;
+    // A recorder that was killed in a stop and is started again goes on with it, and first hears of those
+    // that were stopped by itself before.
+    const bool is_from_before = node.cause == AbsenceCause::kStopped && node.seen - *began_ < kMoment;
+    if (is_missed(node) && !node.is_noted && !ends_together && !is_from_before)
+      note_missing(number, node, node.cause);
+  }
+}
+
+void NodePresence::finish(WallTime now) {
+  if (!options_.misses) return;
+  if (!began_) begin(now);
+  for (const ExpectedNode& expected : options_.expected) {
+    Node& node = nodes_[expected.number];
+    if (node.came || node.is_foreign || node.is_noted) continue;
+    if (node.cause == AbsenceCause::kNone) lose(node, AbsenceCause::kNeverCame, *began_, now);
+    note_missing(expected.number, node, node.cause);
+  }
 }
 
 std::vector<AbsentNode> NodePresence::absent() const {

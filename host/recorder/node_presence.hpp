@@ -26,8 +26,14 @@ class NodePresence {
  public:
   /// After which a node is missed that does not come, or falls silent.
   static constexpr std::chrono::milliseconds kSilence{2500};
-  /// And one that has ended: who ends everything at once ends nodes and recorder within it.
-  static constexpr std::chrono::seconds kEndsTogether{1};
+  /// A shutdown ends nodes and recorder by signals, a few turns of theirs apart.  A node that ended longer
+  /// before has ended for itself: what it lacks then is worth telling, even if it was the same shutdown.
+  static constexpr std::chrono::milliseconds kEndsTogether{300};
+
+  enum class Stop {
+    kAsked,     ///< by a request: the nodes are to go on until they are stopped
+    kBySignal,  ///< which may have ended the nodes, too
+  };
 
   struct Options {
     bool misses = true;  ///< false: nobody is
@@ -49,8 +55,11 @@ class NodePresence {
   /// Looks who is silent.
   /// @param notes  get who is missed, and who is there again
   void turn(WallTime now, std::vector<NoteToRecord>& notes);
-  /// The recording is to end: from here on nobody is missed.
-  void stop(WallTime now);
+  /// The recording is to end: from here on nobody is missed for a silence.  Those that have ended are.
+  void stop(WallTime now, Stop how = Stop::kAsked);
+  /// Nothing more will be heard: who never came is missed, however short the recording was.  Not known
+  /// before, for the first heartbeat of a node that measures may come behind an early stop.
+  void finish(WallTime now);
 
   /// Who is missed now.
   std::vector<AbsentNode> absent() const;
@@ -60,8 +69,9 @@ class NodePresence {
  private:
   struct Node {
     bool came = false;
-    std::int64_t epoch = 0;  // that measures or did last; 0: one of `former`, of an earlier run
-    bool is_over = false;    // that epoch: what is heard of it still was sent before
+    bool is_foreign = false;  // until it came
+    std::int64_t epoch = 0;   // that measures or did last; 0: one of `former`, of an earlier run
+    bool is_over = false;     // that epoch: what is heard of it still was sent before
     WallTime heard{};
     std::int64_t next_epoch = 0;  // heard while it is not known whether that has ended; 0: none
     WallTime next_at{};
@@ -82,6 +92,7 @@ class NodePresence {
   void find(std::int32_t number, Node& node, bool other_epoch, WallTime now);
   void note_there(std::int32_t number, bool lacks, WallTime now);
   bool is_missed(const Node& node) const;
+  bool has_ended_early(const Node& node, const Heartbeat& last, WallTime now) const;
   void note_missing(std::int32_t number, Node& node, AbsenceCause cause);
   std::string name_of(std::int32_t number) const;
 
@@ -90,6 +101,7 @@ class NodePresence {
   std::vector<Past> past_;
   std::vector<NoteToRecord> notes_;
   std::optional<WallTime> began_, stopped_;
+  Stop stop_ = Stop::kAsked;
 };
 
 }  // namespace roadbalance

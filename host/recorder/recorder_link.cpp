@@ -158,7 +158,8 @@ void RecorderLink::stop(WallTime now, const std::string& by) {
   if (stopping_) return;
   stopping_ = true;
   stopped_at_ = now;
-  presence_.stop(now);
+  presence_.stop(now, by == kStoppedBySignal ? NodePresence::Stop::kBySignal : NodePresence::Stop::kAsked);
+  presence_.turn(now, notes_);  // what is missed by now is noted before the stop
   if (options_.scope.only.empty()) notes_.push_back({.kind = NoteKind::kStopping, .text = by, .at = now});
   control_.stop();
 }
@@ -179,6 +180,8 @@ void RecorderLink::finish(WallTime now) {
   for (const auto& [node, epoch] : scope.given_up) receiver_.give_up(node, epoch, delivered_);
   receiver_.finish(now, scope.leaves_open, delivered_);
   heard_.finish(device_notes_);
+  presence_.finish(now);
+  presence_.turn(now, notes_);
 }
 
 void RecorderLink::farewell(const Publish& publish) {

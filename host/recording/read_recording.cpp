@@ -14,7 +14,8 @@ namespace roadbalance {
 RecordingDefects read_recording(const std::filesystem::path& folder,
                                 const std::function<void(const VehicleConfig&)>& begin,
                                 const std::function<void(const SealedBlock&)>& consume,
-                                const std::function<void(const ClockFit&)>& consume_fit) {
+                                const std::function<void(const ClockFit&)>& consume_fit,
+                                const std::function<void(const LogEvent&)>& consume_other) {
   RecordReader reader(folder);
   begin(vehicle_of_recording(folder));
   reader.finish();
@@ -26,6 +27,7 @@ RecordingDefects read_recording(const std::filesystem::path& folder,
         in_sequence.add(*block, consume);
         break;
       case Refusal::kUnknownType:  // the record holds more than blocks
+        if (consume_other) consume_other(*event);
         if (const auto fit = consume_fit ? decode_clock_fit(event->data) : std::nullopt) consume_fit(*fit);
         break;
       default:

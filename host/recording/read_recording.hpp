@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/record/log_event.hpp"
 #include "common/types/block.hpp"
 #include "common/types/exchange.hpp"
 
@@ -25,11 +26,13 @@ struct RecordingDefects {
 /// @param begin    called once, before the first block
 /// @param consume  called with each block
 /// @param consume_fit  called with each fit of a node's clock, between the blocks as it stands in the record
+/// @param consume_other  called with each event that is no block: notes, journal entries, clocks
 /// @throws std::system_error if the folder cannot be read, std::runtime_error if it holds no vehicle.toml or
 ///         no scan, ConfigError if its vehicle.toml cannot be used
 RecordingDefects read_recording(const std::filesystem::path& folder,
                                 const std::function<void(const VehicleConfig&)>& begin,
                                 const std::function<void(const SealedBlock&)>& consume,
-                                const std::function<void(const ClockFit&)>& consume_fit = {});
+                                const std::function<void(const ClockFit&)>& consume_fit = {},
+                                const std::function<void(const LogEvent&)>& consume_other = {});
 
 }  // namespace roadbalance

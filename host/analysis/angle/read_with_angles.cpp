@@ -76,7 +76,8 @@ RecordingDefects read_with_angles(const std::filesystem::path& folder, bool refi
       },
       [&](const ClockFit& fit) {
         if (!clocks || !clocks->knows(fit.node, fit.epoch)) reader.consume_fit(fit);
-      });
+      },
+      reader.consume_other);
 }
 
 }  // namespace roadbalance

@@ -9,11 +9,12 @@
 
 namespace roadbalance {
 
-/// Blocks and fits of a recording as identification takes them; all three must be there.
+/// Blocks and fits of a recording as identification takes them; the first three must be there.
 struct BlockReader {
   std::function<void(const VehicleConfig&)> begin;
   std::function<void(const SealedBlock&)> consume;
   std::function<void(const ClockFit&)> consume_fit;
+  std::function<void(const LogEvent&)> consume_other{};  ///< as read_recording
 };
 
 /// read_recording, but wheels whose teeth are counted on the bus have their angles computed from all that was

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "common/bus/notes.hpp"
 #include "common/config/section.hpp"
 #include "host/analysis/angle/read_with_angles.hpp"
 #include "host/analysis/identify/assemble.hpp"
@@ -12,6 +13,7 @@
 #include "host/analysis/identify/diagnostics.hpp"
 #include "host/analysis/identify/extra_variance.hpp"
 #include "host/analysis/identify/stretch_collector.hpp"
+#include "host/recording/verify/verify_presence.hpp"
 
 namespace roadbalance {
 
@@ -19,20 +21,28 @@ DrivenRecording driven_recording(const std::filesystem::path& folder, bool refin
                                  const std::stop_token& stop,
                                  const std::function<void(const SealedBlock&)>& see) {
   DrivenRecording drive;
-  std::set<std::int32_t> measured;  // nodes
+  std::set<std::int32_t> measured, ended;  // nodes: any epoch, the last one
+  PresenceCheck presence;
   std::optional<AngleReprocessor> angles;
-  drive.defects = read_with_angles(folder, refine, angles,
-                                   {[&](const VehicleConfig& recorded) {
-                                      drive.estimator =
-                                          std::make_unique<DriveEstimator>(drive.vehicle.emplace(recorded));
-                                    },
-                                    [&](const SealedBlock& block) {
-                                      if (stop.stop_requested()) throw Interrupted();
-                                      if (see) see(block);
-                                      if (block.kind == BlockKind::kScan) measured.insert(block.header.node);
-                                      drive.estimator->consume(block);
-                                    },
-                                    [&](const ClockFit& fit) { drive.estimator->consume(fit); }});
+  drive.defects = read_with_angles(
+      folder, refine, angles,
+      {[&](const VehicleConfig& recorded) {
+         drive.estimator = std::make_unique<DriveEstimator>(drive.vehicle.emplace(recorded));
+       },
+       [&](const SealedBlock& block) {
+         if (stop.stop_requested()) throw Interrupted();
+         if (see) see(block);
+         if (block.kind == BlockKind::kScan) measured.insert(block.header.node);
+         block.kind == BlockKind::kEnd ? (void)ended.insert(block.header.node)
+                                       : (void)ended.erase(block.header.node);
+         drive.estimator->consume(block);
+       },
+       [&](const ClockFit& fit) { drive.estimator->consume(fit); },
+       [&](const LogEvent& event) {
+         presence.take_time(event.timestamp_us);
+         if (const auto note = event.channel == kNoteChannel ? decode_note(event.data) : std::nullopt)
+           presence.take(*note);
+       }});
   const auto object = [&drive](const std::string& why) {
     drive.contradictions += (drive.contradictions.empty() ? "" : "; ") + why;
   };
@@ -40,6 +50,9 @@ DrivenRecording driven_recording(const std::filesystem::path& folder, bool refin
     if (!measured.contains(node.id))
       object("node " + std::to_string(node.id) + " (" + node.name +
              ") has no sample in this recording, and every node of its vehicle.toml is needed");
+  // Where one is absent the others' samples are of no use, which no other sentence says.
+  for (const Absence& absence : presence.absences(ended))
+    if (measured.contains(absence.node)) object(presence.sentence(absence));
   for (int wheel = 0; wheel < kWheels; ++wheel)
     if (const auto quality = angles ? angles->quality(wheel) : std::nullopt) {
       const auto w = static_cast<std::size_t>(wheel);

@@ -32,7 +32,8 @@ struct DrivenRecording {
   RecordingDefects defects;
   /// For wheels whose angles were computed again: uncertainty common to the whole drive, rad, else 0.
   std::array<double, kWheels> common_sigma_rad{};
-  /// Sentences for people: the evidence against their marks, and the nodes that the recording lacks.
+  /// Sentences for people: the evidence against their marks, and the nodes that the recording lacks,
+  /// all of it or for a time.
   std::string contradictions;
 };
 

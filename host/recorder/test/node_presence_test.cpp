@@ -123,9 +123,82 @@ TEST_F(NodePresenceTest, SaysWhyANodeEnded) {
 
 TEST_F(NodePresenceTest, EndsWithWhoEndsEverythingAtOnce) {
   run(seconds(5), {beat(1), beat(2)});
-  run(milliseconds(500), {ended(1, AbsenceCause::kProgramEnded), ended(2, AbsenceCause::kProgramEnded)});
+  run(milliseconds(200), {beat(1), ended(2, AbsenceCause::kProgramEnded)});
+  presence.stop(now, NodePresence::Stop::kBySignal);
+  run(seconds(5), {ended(1, AbsenceCause::kProgramEnded)});
+  EXPECT_EQ(noted(), Words());
+}
+
+TEST_F(NodePresenceTest, WhoEndsWellBeforeASignalEndsTheRecorderIsMissed) {
+  run(seconds(5), {beat(1), beat(2)});
+  run(milliseconds(400), {beat(1), ended(2, AbsenceCause::kProgramEnded)});
+  presence.stop(now, NodePresence::Stop::kBySignal);
+  EXPECT_EQ(absences(), (Words{std::string("2 ended 0.4 s before the recording: ") + kProgramEnded}));
+}
+
+TEST_F(NodePresenceTest, ADeviceThatFailsAMomentBeforeASignalIsMissed) {
+  run(seconds(5), {beat(1), beat(2)});
+  run(milliseconds(100), {beat(1), ended(2, AbsenceCause::kDeviceFailed)});
+  presence.stop(now, NodePresence::Stop::kBySignal);
+  run(milliseconds(100), {});
+  EXPECT_EQ(noted(), (Words{"24 2 3"}));
+}
+
+TEST_F(NodePresenceTest, WhoEndsAMomentBeforeAStopThatIsAskedForIsMissed) {
+  run(seconds(5), {beat(1), beat(2)});
+  run(milliseconds(100), {beat(1), ended(2, AbsenceCause::kProgramEnded)});
+  EXPECT_EQ(noted(), Words());
   presence.stop(now);
-  run(seconds(5), {});
+  run(seconds(5), {ended(1, AbsenceCause::kStopped), ended(2, AbsenceCause::kProgramEnded)});
+  EXPECT_EQ(noted(), (Words{"24 2 4"}));
+  EXPECT_EQ(absences(), (Words{std::string("2 ended 0.1 s before the recording: ") + kProgramEnded}));
+}
+
+TEST_F(NodePresenceTest, AnEarlyEndThatIsHeardBehindTheStopIsMissed) {
+  run(seconds(5), {beat(1), beat(2)});
+  presence.stop(now);
+  run(seconds(5), {ended(1, AbsenceCause::kStopped), ended(2, AbsenceCause::kProgramEnded)});
+  EXPECT_EQ(noted(), (Words{"24 2 4"}));
+  EXPECT_EQ(absences(), (Words{std::string("2 ended 0.0 s before the recording: ") + kProgramEnded}));
+}
+
+// It has not heard the stop perhaps, and has measured beyond it.
+TEST_F(NodePresenceTest, AnEndBehindTheStopOfWhoWasCutOffForAMomentSaysNothing) {
+  run(seconds(5), {beat(1), beat(2)});
+  run(milliseconds(1500), {beat(1)});
+  presence.stop(now);
+  run(milliseconds(500), {ended(2, AbsenceCause::kProgramEnded)});
+  EXPECT_EQ(noted(), Words());
+}
+
+TEST_F(NodePresenceTest, MissesWhoNeverCameHoweverShortTheRecordingIs) {
+  run(milliseconds(1000), {beat(1)});
+  presence.stop(now);
+  run(milliseconds(500), {ended(1, AbsenceCause::kStopped)});
+  EXPECT_EQ(noted(), Words()) << "it may be heard yet";
+  presence.finish(now);
+  presence.turn(now, notes);
+  EXPECT_EQ(noted(), (Words{"24 2 6"}));
+  EXPECT_EQ(absences(), (Words{"2 never came"}));
+  EXPECT_EQ(presence.absences(now, kUtc_us).front().seconds, 1.0);
+}
+
+TEST_F(NodePresenceTest, WhoIsHeardFirstBehindAnEarlyStopHasCome) {
+  run(milliseconds(300), {});
+  presence.stop(now);
+  run(milliseconds(200), {beat(1)});
+  run(milliseconds(500), {ended(1, AbsenceCause::kStopped), ended(2, AbsenceCause::kStopped)});
+  presence.finish(now);
+  presence.turn(now, notes);
+  EXPECT_EQ(noted(), Words());
+}
+
+TEST_F(NodePresenceTest, WhoObeysAnotherRecorderIsNotMissedInTheEnd) {
+  run(milliseconds(500), {beat(1)});
+  presence.take_foreign(2, now);
+  presence.stop(now);
+  presence.finish(now);
+  presence.turn(now, notes);
   EXPECT_EQ(noted(), Words());
 }
 
@@ -250,6 +323,22 @@ TEST_F(NodePresenceAgain, NotesThatANodeWhoseEpochHadEndedIsThereAgain) {
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_EQ(notes.front().kind, NoteKind::kNodeThere);
   EXPECT_EQ(notes.front().b, 1);
+}
+
+// It was killed in the stop; the node ended as that had asked.
+TEST_F(NodePresenceAgain, GoesOnWithAStopWithoutMissingWhoThatHadStopped) {
+  RecordState recovered;
+  recovered.epoch[{3, 30}].position.ended = false;
+  NodePresence presence({.expected = {{3, "front"}}}, recovered);
+  presence.turn(now, notes);
+  presence.take({.node = 3, .epoch = 30, .state = NodeState::kEnded, .end_cause = AbsenceCause::kStopped},
+                now);
+  presence.turn(now, notes);
+  now += milliseconds(100);
+  presence.stop(now);
+  presence.finish(now);
+  presence.turn(now, notes);
+  EXPECT_TRUE(notes.empty());
 }
 
 TEST_F(NodePresenceAgain, RemembersWhoWasAbsentBefore) {

@@ -313,6 +313,24 @@ TEST_F(RecorderLinkTest, NotesTheStopBehindWhatWasMissedBefore) {
   EXPECT_EQ(notes[1].text, "rb of anna at laptop");
 }
 
+TEST_F(RecorderLinkTest, NotesInTheEndWhoNeverCameToAShortRecording) {
+  RecorderLinkOptions options;
+  options.expected = {{.number = 7, .name = "rear"}};
+  RecorderLink with_expected{options, kOurs, {}};
+  const Publish nobody = [](const std::string&, auto) { return true; };
+  with_expected.turn(now, nobody);
+  now += milliseconds(1500);
+  with_expected.stop(now, kStoppedBySignal);
+  with_expected.finish(now);
+  const auto notes = with_expected.notes();
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_EQ(notes[0].kind, NoteKind::kStopping);
+  EXPECT_EQ(notes[1].kind, NoteKind::kNodeMissing);
+  EXPECT_EQ(notes[1].a, 7);
+  EXPECT_EQ(static_cast<AbsenceCause>(notes[1].b), AbsenceCause::kNeverCame);
+  ASSERT_EQ(with_expected.absences(now, 0).size(), 1u);
+}
+
 TEST_F(RecorderLinkTest, EndsThoughANodeThatObeysAnotherGoesOn) {
   run(kOurs, 1, 2);
   send(1, 1);

@@ -235,9 +235,7 @@ void conclude(Reading& reading) {
   for (const VerifiedEpoch& epoch : reading.result.epoch)  // the last one of a node counts
     epoch.ended ? (void)ended.insert(epoch.node) : (void)ended.erase(epoch.node);
   for (const Absence& absence : reading.presence.absences(ended))
-    reading.result.absent.push_back(
-        {.node = absence.node,
-         .text = node_words(absence.node, reading.presence.name_of(absence.node)) + " " + words(absence)});
+    reading.result.absent.push_back({.node = absence.node, .text = reading.presence.sentence(absence)});
   reading.result.journal_entries = reading.journal.entries();
   reading.result.deleted_segments = std::ssize(reading.deleted);
   for (auto& epoch : reading.result.epoch) {

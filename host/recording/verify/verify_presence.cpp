@@ -57,6 +57,10 @@ std::vector<Absence> PresenceCheck::absences(const std::set<std::int32_t>& ended
   return all;
 }
 
+std::string PresenceCheck::sentence(const Absence& absence) const {
+  return node_words(absence.node, name_of(absence.node)) + " " + words(absence);
+}
+
 std::string PresenceCheck::name_of(std::int32_t node) const {
   const auto known = node_.find(node);
   return known == node_.end() ? "" : known->second.name;

@@ -24,8 +24,8 @@ class PresenceCheck {
   /// and has sent its end since was only cut off: its rest was fetched.
   /// @param ended  the last epoch of each of these nodes has its end in the record
   std::vector<Absence> absences(const std::set<std::int32_t>& ended) const;
-  /// "rear"; empty: not known.
-  std::string name_of(std::int32_t node) const;
+  /// "node 2 (rear) never came"
+  std::string sentence(const Absence& absence) const;
 
  private:
   using Stamp = SetClocks::Stamp;
@@ -40,6 +40,7 @@ class PresenceCheck {
     Stretch now{};
     std::string name{};
   };
+  std::string name_of(std::int32_t node) const;
   Absence absence_of(const Stretch& stretch, const Stamp& until) const;
 
   SetClocks clocks_;

@@ -30,7 +30,8 @@ TEST_F(PresenceCheckTest, WhoEndedIsMissedUpToTheStop) {
   note(195, NoteKind::kStopped);
   EXPECT_EQ(absences({2}),
             (Words{"ended 38 s before the recording: its device failed: look at its cable and supply"}));
-  EXPECT_EQ(check.name_of(2), "rear");
+  EXPECT_EQ(check.sentence(check.absences({2}).front()),
+            "node 2 (rear) ended 38 s before the recording: its device failed: look at its cable and supply");
 }
 
 // 1970 -> 2026, as of a board without a battery that is given the time.
