@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/analysis/identify/hann_segments.hpp"
 #include "host/analysis/identify/unbalances.hpp"
 #include "host/analysis/identify/whittle.hpp"
 #include "tools/study/estimator_trial.hpp"
@@ -75,7 +76,7 @@ WhittleMoments EndlessDrive::spectra(const ExactDrive& drive, double speed_m_s) 
         -om * om * (model.S.cast<Complex>() + Complex(0.0, om) * model.Sd.cast<Complex>()));
     const double density = 1.0 / ((om * om + least * least) * (1.0 + om * om / (patch * patch)));
     for (int i = 0; i < kWheels; ++i)  // no line is in the spectrum here, but its bins do not count there
-      if (std::abs(om - drive.omega(i)) < kWhittleLineBins * turn * sum.step_hz) sum.count(k) = 0.0;
+      if (std::abs(om - drive.omega(i)) < kLineBins * turn * sum.step_hz) sum.count(k) = 0.0;
     sum.same.emplace_back(sum.count(k) * density * Z * Z.adjoint());
     sum.delayed.emplace_back(std::polar(1.0, -om * sum.delay_seconds) * sum.same.back());
   }

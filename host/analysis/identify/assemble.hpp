@@ -31,8 +31,8 @@ bool measures_road(const VehicleConfig& vehicle);
 /// node is kLongestWait_s behind: then the others go on without it.
 class Assembler {
  public:
-  /// Seconds of drive, not of waiting: faster than real time one node may be a whole ring ahead of another and more.
-  /// Half an hour at 2 kHz is 250 MB a node.
+  /// Seconds of drive, not of waiting: faster than real time one node may be a whole ring ahead of another
+  /// and more. Half an hour at 2 kHz is 250 MB a node.
   static constexpr double kLongestWait_s = 1800.0;
   using Emit = std::function<void(const SignalRun&)>;
 

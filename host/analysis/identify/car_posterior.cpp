@@ -321,10 +321,10 @@ double CarPosterior::evaluate(const VectorXd& v, VectorXd* gradient) const {
       const Bins& b = bin[static_cast<std::size_t>(k)];
       const MatrixXcd& x = same[static_cast<std::size_t>(k)];
       const MatrixXcd all = sandwich(residual_rows, x, residual_rows);
-      by_residual += (onto(x, residual_rows) * b.weight -
-                      b.integral * b.residual.adjoint() * b.weight * all * b.weight)
-                         .real() /
-                     level;
+      by_residual +=
+          (onto(x, residual_rows) * b.weight - b.integral * b.residual.adjoint() * b.weight * all * b.weight)
+              .real() /
+          level;
     }
   }
 
@@ -489,8 +489,7 @@ MatrixXd CarPosterior::information(const VectorXd& v) const {
       count(k) += speed->count(k);
       const MatrixXcd rows = sandwich(road_rows, speed->same[b], road_rows);
       all_roads[b] += map * rows * map.adjoint();
-      power(k) +=
-          (bin[b].weight * sandwich(residual_rows, speed->same[b], residual_rows)).trace().real();
+      power(k) += (bin[b].weight * sandwich(residual_rows, speed->same[b], residual_rows)).trace().real();
     }
   }
   for (double low_hz = 0.0; low_hz < kBodyTo_hz; low_hz += kBand_hz) {

@@ -7,6 +7,7 @@
 #include "common/dsp/linear_filter.hpp"
 #include "common/dsp/window.hpp"
 #include "common/types/angle_units.hpp"
+#include "host/analysis/identify/hann_segments.hpp"
 
 namespace roadbalance {
 namespace {
@@ -14,18 +15,12 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-constexpr double kFrom_hz = 0.75, kTo_hz = 40.0;  ///< below the tyre's belt
-constexpr double kSegment_s = 4.0;
-constexpr double kLineBins = 2.6;  ///< half width of a wheel's line: the Hann window's main lobe and a bit
-constexpr double kHighPass_hz = 0.35;
-/// Hann segments this share of their length apart use 99.9 % of what a record holds; half apart, 95 %.
-constexpr double kHop = 0.375;
-/// Independent bins in a bin of one Hann segment: one over the sum of the squared correlations of bins.
-constexpr double kAlone = 18.0 / 35.0;
-
+constexpr double kSpectraFrom_hz = 0.75, kSpectraTo_hz = 40.0;  ///< below the tyre's belt
+constexpr double kSpectraSegment_s = 4.0;
+constexpr double kMotionHighPass_hz = 0.35;
 /// Coefficients of the Butterworth polynomial of third order: s^3 + d2 s^2 + d1 s + d0.
 Eigen::Array3d high_pass() {
-  const double corner = kTurn * kHighPass_hz;
+  const double corner = kTurn * kMotionHighPass_hz;
   return {corner * corner * corner, 2.0 * corner * corner, 2.0 * corner};
 }
 
@@ -66,7 +61,7 @@ void MotionIntegrals::update(const Eigen::Ref<const Eigen::ArrayXd>& acceleratio
 SpectralGatherer::SpectralGatherer(double wheelbase_m, double rate_hz)
     : wheelbase_m_(wheelbase_m),
       rate_hz_(rate_hz),
-      fft_(static_cast<int>(std::lround(kSegment_s * rate_hz))) {
+      fft_(static_cast<int>(std::lround(kSpectraSegment_s * rate_hz))) {
   const std::vector<double> hann = window(Window::kHann, fft_.size());
   window_ = Eigen::Map<const Eigen::ArrayXd>(hann.data(), fft_.size());
   window_ /= std::sqrt(window_.square().sum() * rate_hz);
@@ -78,24 +73,16 @@ SpectralMoments SpectralGatherer::moments(const Eigen::Ref<const Eigen::MatrixXd
   const Index size = fft_.size();
   if (motion.cols() < size) return sum;
   sum.step_hz = rate_hz_ / static_cast<double>(size);
-  sum.first = static_cast<Index>(std::ceil(kFrom_hz / sum.step_hz - 1e-9));
-  const auto last = static_cast<Index>(std::floor(kTo_hz / sum.step_hz + 1e-9));
+  sum.first = static_cast<Index>(std::ceil(kSpectraFrom_hz / sum.step_hz - 1e-9));
+  const auto last = static_cast<Index>(std::floor(kSpectraTo_hz / sum.step_hz + 1e-9));
   const auto bins = static_cast<std::size_t>(last - sum.first + 1);
   sum.count.setZero(static_cast<Index>(bins));
   sum.same.assign(bins, Eigen::MatrixXcd::Zero(motion.rows(), motion.rows()));
   sum.delayed = sum.same;
-  std::vector<bool> masked(bins, false);
-  for (std::size_t k = 0; k < bins; ++k)
-    for (int i = 0; i < kWheels; ++i) {
-      const double away = (sum.omega(static_cast<Index>(k)) - omega(i)) / (kTurn * sum.step_hz);
-      if (omega(i) > 0.0 && std::abs(away) < kLineBins) masked[k] = true;
-    }
-  const auto room = static_cast<double>(motion.cols() - size);
-  const double hops = std::ceil(room / (kHop * static_cast<double>(size)));
-  const double weight = (kAlone + room / static_cast<double>(size)) / (hops + 1.0);
-  for (double h = 0.0; h <= hops; h += 1.0)
-    add_segment(sum, motion.middleCols(hops == 0.0 ? 0 : std::lround(h * room / hops), size), masked, weight,
-                wheelbase_m_ / speed_m_s);
+  const std::vector<bool> masked = bins_with_lines(bins, sum.first, sum.step_hz, omega);
+  const HannSegments segments = HannSegments::over(motion.cols(), size);
+  for (const Index begin : segments.begin)
+    add_segment(sum, motion.middleCols(begin, size), masked, segments.weight, wheelbase_m_ / speed_m_s);
   return sum;
 }
 

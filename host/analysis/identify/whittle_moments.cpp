@@ -5,15 +5,12 @@
 
 #include "common/dsp/window.hpp"
 #include "common/types/angle_units.hpp"
+#include "host/analysis/identify/hann_segments.hpp"
 
 namespace roadbalance {
 namespace {
 
 using Complex = std::complex<double>;
-/// Hann segments this share of their length apart use 99.9 % of what a record holds; half apart, 95 %.
-constexpr double kHop = 0.375;
-/// Independent bins in a bin of one Hann segment: one over the sum of the squared correlations of bins.
-constexpr double kAlone = 18.0 / 35.0;
 
 }  // namespace
 
@@ -54,18 +51,11 @@ WhittleMoments WhittleGatherer::moments(const Eigen::Ref<const SignalMatrix>& si
   sum.count.setZero(static_cast<Eigen::Index>(bins));
   sum.same.assign(bins, WhittleMoments::Spectra::value_type::Zero());
   sum.delayed = sum.same;
-  masked_.assign(bins, false);
-  for (std::size_t k = 0; k < bins; ++k)
-    for (int i = 0; i < kWheels; ++i) {
-      const double bins_away = (sum.omega(static_cast<Eigen::Index>(k)) - omega(i)) / (kTurn * sum.step_hz);
-      if (omega(i) > 0.0 && std::abs(bins_away) < kWhittleLineBins) masked_[k] = true;
-    }
-  const auto room = static_cast<double>(signals.cols() - size);
-  const double hops = std::ceil(room / (kHop * static_cast<double>(size)));
-  weight_ = (kAlone + room / static_cast<double>(size)) / (hops + 1.0);
-  for (double h = 0.0; h <= hops; h += 1.0)
-    add_segment(sum, signals.middleCols(hops == 0.0 ? 0 : std::lround(h * room / hops), size),
-                wheelbase_m_ / speed_m_s);
+  masked_ = bins_with_lines(bins, sum.first, sum.step_hz, omega);
+  const HannSegments segments = HannSegments::over(signals.cols(), size);
+  weight_ = segments.weight;
+  for (const Eigen::Index begin : segments.begin)
+    add_segment(sum, signals.middleCols(begin, size), wheelbase_m_ / speed_m_s);
   return sum;
 }
 

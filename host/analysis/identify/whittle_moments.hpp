@@ -14,8 +14,6 @@ namespace roadbalance {
 inline constexpr double kWhittleFrom_hz = 3.0;
 inline constexpr double kWhittleTo_hz = 40.0;
 inline constexpr double kWhittleSegment_s = 4.0;
-/// Half width of what a wheel's line takes: the Hann window's main lobe and a bit.
-inline constexpr double kWhittleLineBins = 2.6;
 
 /// Cross-spectral matrices of z'' over the bins, gathered at about one speed; they add.
 ///

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace roadbalance {
+
+/// Hann-tapered segments evenly over samples.  They overlap, and each weighs as many independent bins as it
+/// brings.
+struct HannSegments {
+  std::vector<Eigen::Index> begin;
+  double weight = 0.0;  ///< of each
+
+  /// Fewer samples than one segment: none.
+  static HannSegments over(Eigen::Index samples, Eigen::Index size);
+};
+
+/// Half width of a wheel's line in bins: the Hann window's main lobe and a bit.
+inline constexpr double kLineBins = 2.6;
+
+/// Bins from the first on in which some wheel's line lies.
+/// @param omega  rotation rate of each wheel, rad/s; 0: it has no line
+std::vector<bool> bins_with_lines(std::size_t bins, Eigen::Index first, double step_hz,
+                                  const Eigen::Vector4d& omega);
+
+}  // namespace roadbalance
