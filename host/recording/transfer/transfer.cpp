@@ -9,6 +9,7 @@
 #include "common/record/failure_words.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/new_name.hpp"
 #include "common/record/record_folder.hpp"
 #include "common/record/room.hpp"
 #include "common/record/segment.hpp"
@@ -55,6 +56,7 @@ class Transfer {
     if (path_exists(goal_, to_disk_)) {
       compare_with_goal();
     } else {
+      expect_new_name(goal_, to_disk_);
       make_goal();
     }
     report_.to = goal_;

@@ -221,6 +221,14 @@ TEST(Transfer, LeavesDigestsThatSha256sumConfirms) {
   EXPECT_EQ(again.file.size(), kRecording.size());
 }
 
+// The disk that it is taken to may be of Windows or macOS.
+TEST_F(TransferOfARecording, HasANameThatOtherSystemsTake) {
+  create_folders("/archive/Monday", far_);
+  EXPECT_THAT(refusal(),
+              HasSubstr("/archive/monday: \"Monday\" lies beside it and differs by capitals only"));
+  EXPECT_FALSE(path_exists("/archive/monday.part", far_));
+}
+
 // Opening a pipe would wait for a program that writes to it.
 TEST(Transfer, RefusesWhatIsNoFile) {
   const test::TemporaryDirectory work;
