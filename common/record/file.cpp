@@ -188,21 +188,22 @@ void File::close() {
   if (descriptor_ >= 0 && disk_->close(std::exchange(descriptor_, -1)) != 0) fail("close");
 }
 
-std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk) {
+std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk, Links links) {
   if (!path_exists(path, disk)) return std::nullopt;
-  const File file = File::open_to_read(path, disk);
+  const File file =
+      links == Links::kFollowed ? File::open_to_read(path, disk) : File::open_segment(path, disk);
   std::string text(std::min(file.size(), kMostTextBytes), '\0');
   std::vector<File::Unreadable> unreadable;  // whose zeros no such text stands
   text.resize(file.read_around(0, {reinterpret_cast<std::uint8_t*>(text.data()), text.size()}, unreadable));
   return text;
 }
 
-std::optional<std::string> read_whole_text(const std::filesystem::path& path, Disk& disk) {
+std::optional<std::string> read_whole_text(const std::filesystem::path& path, Disk& disk, Links links) {
   if (path_exists(path, disk) && size_of_file(path, disk) > kMostTextBytes)
     throw std::system_error(
         EFBIG, std::generic_category(),
         "read " + path.string() + ": more than " + std::to_string(kMostTextBytes) + " bytes");
-  return read_text(path, disk);
+  return read_text(path, disk, links);
 }
 
 void write_atomically(const std::filesystem::path& path, std::string_view text, Disk& disk) {

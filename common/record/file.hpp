@@ -19,7 +19,7 @@ class File {
   File() = default;
   /// @throws also if it is no regular file
   static File open_to_read(const std::filesystem::path& path, Disk& disk = kernel_disk());
-  /// A segment, which lies in its folder: a link is refused, too.
+  /// A segment, or what else lies in the folder of a recording: a link is refused, too.
   static File open_segment(const std::filesystem::path& path, Disk& disk = kernel_disk());
   /// @throws also if it exists
   static File create(const std::filesystem::path& path, Disk& disk = kernel_disk());
@@ -80,12 +80,18 @@ std::optional<bool> try_lock(File& file);
 /// A longer file is none of the texts beside a record.
 inline constexpr std::uint64_t kMostTextBytes = std::uint64_t{16} << 20;
 
+/// Whether a link is read as the file that it leads to.  In the folder of a recording none is: it would bring
+/// foreign files in.
+enum class Links { kRefused, kFollowed };
+
 /// A small file that proves itself, as an index does; nothing if there is none.  A longer one than
 /// kMostTextBytes is cut off there, which no such text stands.
-std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk = kernel_disk());
+std::optional<std::string> read_text(const std::filesystem::path& path, Disk& disk = kernel_disk(),
+                                     Links links = Links::kRefused);
 /// A small file that is needed as it is; nothing if there is none.
 /// @throws std::system_error naming it, EFBIG if it is longer than kMostTextBytes
-std::optional<std::string> read_whole_text(const std::filesystem::path& path, Disk& disk = kernel_disk());
+std::optional<std::string> read_whole_text(const std::filesystem::path& path, Disk& disk = kernel_disk(),
+                                           Links links = Links::kFollowed);
 
 /// Replaces `path` by a file with this text so that a reader sees the old or the new, never a part; durable
 /// on return.  @throws std::system_error naming the call and the file

@@ -17,6 +17,8 @@ bool can_open(const std::filesystem::path& path, int flags, Disk& disk) {
     disk.close(descriptor);
     return true;
   }
+  if (errno == kNoRegularFile)
+    throw_disk_error("open " + path.string() + ": no regular file, which is not read");
   if (errno != ENOENT && errno != ENOTDIR) throw_disk_error("open " + path.string());
   return false;
 }
@@ -33,6 +35,25 @@ bool is_folder(const std::filesystem::path& path, Disk& disk) {
 
 std::uint64_t size_of_file(const std::filesystem::path& path, Disk& disk) {
   return File::open_to_read(path, disk).size();
+}
+
+std::string irregular_kind(const std::filesystem::path& path) {
+  std::error_code is_not_there;
+  switch (std::filesystem::symlink_status(path, is_not_there).type()) {
+    case std::filesystem::file_type::symlink:
+      return "a link";
+    case std::filesystem::file_type::directory:
+      return "a folder";
+    case std::filesystem::file_type::fifo:
+      return "a pipe";
+    case std::filesystem::file_type::socket:
+      return "a socket";
+    case std::filesystem::file_type::character:
+    case std::filesystem::file_type::block:
+      return "a device";
+    default:
+      return "";
+  }
 }
 
 std::vector<std::string> list_folder(const std::filesystem::path& path, Disk& disk) {

@@ -14,6 +14,9 @@ namespace roadbalance {
 bool path_exists(const std::filesystem::path& path, Disk& disk = kernel_disk());
 bool is_folder(const std::filesystem::path& path, Disk& disk = kernel_disk());
 std::uint64_t size_of_file(const std::filesystem::path& path, Disk& disk = kernel_disk());
+/// What a name in a folder is if it is no regular file: "a link", "a folder", "a pipe", "a socket", "a
+/// device"; empty: it is one, or is not there.  Links are not followed.  Of the machine's own disk.
+std::string irregular_kind(const std::filesystem::path& path);
 /// Names of a folder's entries, in no order.
 std::vector<std::string> list_folder(const std::filesystem::path& path, Disk& disk = kernel_disk());
 

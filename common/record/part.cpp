@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "common/record/folder.hpp"
+#include "common/record/new_name.hpp"
 
 namespace roadbalance {
 
@@ -51,6 +52,7 @@ Part::Part(const fs::path& path, Kind kind) : kind_(kind), path_(fs::absolute(pa
     throw std::runtime_error(path_.string() + ": holds something already; allowed: a new or empty folder");
   if (!is_folder && fs::exists(path_))
     throw std::runtime_error(path_.string() + ": exists already; remove it, or choose another name");
+  if (is_folder) expect_new_name(path_);
   shell_ = shell_of(path_);
   part_ = shell_ / path_.filename();
   lock_ = take_shell(shell_);

@@ -14,11 +14,12 @@ class Part {
  public:
   enum class Kind {
     kFile,   ///< under a name that is free; whoever writes makes it
-    kFolder  ///< new, or empty so far; it is there at once
+    kFolder  ///< of a recording: new, or empty so far; it is there at once
   };
 
   /// @throws std::runtime_error if the name is taken, another program is making it, "<name>.part" is of
-  ///         another program, or the folder that it is to lie in is not there; std::system_error,
+  ///         another program, or the folder that it is to lie in is not there; std::invalid_argument if a
+  ///         folder must not be called so (new_name.hpp); std::system_error,
   ///         std::filesystem::filesystem_error if the folder cannot be made
   Part(const std::filesystem::path& path, Kind kind);
   Part(const Part&) = delete;

@@ -24,7 +24,7 @@ VehicleByCrc vehicle_files_in(const std::filesystem::path& folder) {
   return [folder](std::uint32_t wanted) -> std::optional<VehicleConfig> {
     for (const std::string& name : list_folder(folder)) {
       if (!name.ends_with(".toml")) continue;
-      const auto text = read_text(folder / name);
+      const auto text = read_text(folder / name, kernel_disk(), Links::kFollowed);
       if (!text || crc32c(*text) != wanted) continue;
       try {
         return VehicleConfig::parse(*text, name);

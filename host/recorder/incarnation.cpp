@@ -38,7 +38,7 @@ std::optional<std::vector<std::int64_t>> numbers_in(std::string_view text) {
 
 std::vector<std::int64_t> stored_incarnations(const std::filesystem::path& folder, Disk& disk) {
   const auto file = folder / kIncarnationFile;
-  const auto text = read_whole_text(file, disk);
+  const auto text = read_whole_text(file, disk, Links::kRefused);
   if (!text) return {};
   auto numbers = numbers_in(*text);
   if (!numbers || numbers->empty())
@@ -52,7 +52,7 @@ std::int64_t stored_incarnation(const std::filesystem::path& folder, Disk& disk)
 }
 
 void keep_incarnation(const std::filesystem::path& folder, std::int64_t number, Disk& disk) {
-  const auto before = read_whole_text(folder / kIncarnationFile, disk);
+  const auto before = read_whole_text(folder / kIncarnationFile, disk, Links::kRefused);
   std::vector<std::int64_t> numbers = numbers_in(before.value_or("")).value_or(std::vector<std::int64_t>{});
   if (std::ranges::find(numbers, number) == numbers.end()) numbers.push_back(number);
   std::ranges::sort(numbers);

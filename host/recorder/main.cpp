@@ -18,6 +18,8 @@
 #include "common/process/heap.hpp"
 #include "common/process/service_notify.hpp"
 #include "common/process/stop_on_signal.hpp"
+#include "common/record/folder.hpp"
+#include "common/record/new_name.hpp"
 #include "host/recorder/control/operate.hpp"
 #include "host/recorder/control/session_state.hpp"
 #include "host/recorder/recorder.hpp"
@@ -162,6 +164,7 @@ int main(int argc, char** argv) {
     ServiceNotify notify;
     if (notify.has_supervisor()) notify_supervisor(notify, options);
     const std::stop_callback announce_stop(signals.token(), [&notify] { notify.stopping(); });
+    if (!folder.empty() && !path_exists(folder)) expect_new_name(folder);
     options.expected = expected_nodes(options.nodes, recordings.empty() ? vehicle : "");
     const RecorderReport report =
         recordings.empty()

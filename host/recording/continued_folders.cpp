@@ -56,14 +56,15 @@ std::string full_name(const std::filesystem::path& folder) {
 }
 
 bool holds_rest_of(const std::filesystem::path& folder, const std::filesystem::path& fallback, Disk& disk) {
-  const auto held = lines_of(read_whole_text(fallback / kContinuesFile, disk));
+  const auto held = lines_of(read_whole_text(fallback / kContinuesFile, disk, Links::kRefused));
   return std::ranges::find(held, full_name(folder)) != held.end();
 }
 
 void write_continues(const std::filesystem::path& folder, const std::filesystem::path& fallback, Disk& disk) {
   if (holds_rest_of(folder, fallback, disk)) return;
   const auto file = fallback / kContinuesFile;
-  write_atomically(file, read_whole_text(file, disk).value_or("") + full_name(folder) + "\n", disk);
+  write_atomically(file, read_whole_text(file, disk, Links::kRefused).value_or("") + full_name(folder) + "\n",
+                   disk);
 }
 
 bool goes_on_in_fallback(const std::filesystem::path& folder, const std::filesystem::path& fallback,
@@ -71,7 +72,7 @@ bool goes_on_in_fallback(const std::filesystem::path& folder, const std::filesys
   const auto file = folder / kContinuedInFile;
   std::optional<std::string> text;
   try {
-    text = read_whole_text(file, disk);
+    text = read_whole_text(file, disk, Links::kRefused);
   } catch (const std::system_error&) {
     return false;
   }
@@ -90,7 +91,7 @@ void write_continued_in(const std::filesystem::path& folder, const std::filesyst
 }
 
 void refuse_fallback(const std::filesystem::path& fallback, Disk& disk) {
-  const auto held = lines_of(read_whole_text(fallback / kContinuesFile, disk));
+  const auto held = lines_of(read_whole_text(fallback / kContinuesFile, disk, Links::kRefused));
   throw std::invalid_argument("fallback folder " + fallback.string() + " holds another recording" +
                               (held.empty() ? "" : ", the rest of " + held.front()) +
                               "; move that away or name an empty folder");

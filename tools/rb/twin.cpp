@@ -22,6 +22,7 @@
 #include "host/analysis/drives/identify_record.hpp"
 #include "host/analysis/twin/live_twin.hpp"
 #include "host/analysis/twin/twin_record.hpp"
+#include "host/recording/formats/csv_text.hpp"
 #include "host/recording/in_sequence.hpp"
 #include "host/recording/recorded_vehicle.hpp"
 #include "tools/rb/command.hpp"
@@ -69,7 +70,7 @@ class CsvFile {
       const std::string& name = vehicle.node[static_cast<std::size_t>(one.node)]
                                     .channel[static_cast<std::size_t>(one.channel)]
                                     .name;
-      file_ << ',' << name << "_measured," << name << "_predicted";
+      file_ << ',' << name_cell(name + "_measured") << ',' << name_cell(name + "_predicted");
       units += ",m/s^2,m/s^2";
     }
     file_ << '\n' << units << '\n';

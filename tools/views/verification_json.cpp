@@ -149,6 +149,7 @@ nlohmann::ordered_json verification_json(const Verification& result) {
           {"lost", result.lost},
           {"absent", absent},
           {"elsewhere", result.elsewhere},
+          {"not_read", result.not_read},
           {"notes", result.notes},
           {"indexes", result.indexes}};
 }
@@ -160,6 +161,7 @@ void print_verification(const Verification& result) {
   for (const auto& line : result.lost) std::printf("%s\n", line.c_str());
   for (const auto& one : result.absent) std::printf("%s\n", one.text.c_str());
   for (const auto& line : result.elsewhere) std::printf("%s\n", line.c_str());
+  for (const auto& line : result.not_read) std::printf("%s\n", line.c_str());
   for (const auto& line : result.indexes) std::printf("%s\n", line.c_str());
   std::printf("%s\n", verdict_text(result).c_str());
 }

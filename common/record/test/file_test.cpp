@@ -8,6 +8,7 @@
 #include <string>
 #include <system_error>
 
+#include "common/record/folder.hpp"
 #include "common/record/segment_index.hpp"
 #include "common/test/temporary_directory.hpp"
 
@@ -61,6 +62,35 @@ TEST(OpenSegment, WhatIsNoRegularFileIsNamedAndNotRead) {
   EXPECT_NE(refusal_of(folder / "seg-000002.lcm").find("seg-000002.lcm: a link"), std::string::npos);
   EXPECT_THROW((void)read_text(folder / "zero"), std::system_error);
   EXPECT_EQ(refusal_of(folder / "other"), "");
+}
+
+TEST(ReadText, BesideARecordNoLinkIsFollowed) {
+  const test::TemporaryDirectory folder;
+  write_atomically(folder / "other", "text");
+  std::filesystem::create_symlink(folder / "other", folder / "manifest.json");
+  EXPECT_THROW((void)read_text(folder / "manifest.json"), std::system_error);
+  EXPECT_EQ(read_text(folder / "manifest.json", kernel_disk(), Links::kFollowed), "text");
+  EXPECT_EQ(read_whole_text(folder / "manifest.json"), "text") << "a vehicle file may be a link";
+}
+
+TEST(Folder, SaysWhatANameIsThatIsNoRegularFile) {
+  const test::TemporaryDirectory folder;
+  write_atomically(folder / "file", "text");
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  std::filesystem::create_symlink(folder / "file", folder / "link");
+  std::filesystem::create_directory(folder / "sub");
+  EXPECT_EQ(irregular_kind(folder / "pipe"), "a pipe");
+  EXPECT_EQ(irregular_kind(folder / "link"), "a link");
+  EXPECT_EQ(irregular_kind(folder / "sub"), "a folder");
+  EXPECT_EQ(irregular_kind("/dev/null"), "a device");
+  EXPECT_EQ(irregular_kind(folder / "file"), "");
+  EXPECT_EQ(irregular_kind(folder / "none"), "");
+  try {
+    (void)path_exists(folder / "pipe");
+    ADD_FAILURE() << "opened a pipe";
+  } catch (const std::system_error& error) {
+    EXPECT_NE(std::string(error.what()).find("pipe: no regular file, which is not read"), std::string::npos);
+  }
 }
 
 TEST(ReadText, AnIndexThatIsLongerIsNone) {

@@ -101,6 +101,20 @@ TEST_F(PartTest, TouchesNothingOfOthers) {
   EXPECT_EQ(text_of(folder_ / "copy.part" / "seg-000001.lcm"), "half a transfer");
 }
 
+TEST_F(PartTest, ARecordingHasANameThatOtherSystemsTake) {
+  fs::create_directory(folder_ / "drive");
+  for (const char* name : {"con", "x.",
+                           "a\x1b"
+                           "b",
+                           "a\u202Eb", "Drive"}) {
+    EXPECT_NE(refusal(folder_ / name, Part::Kind::kFolder).find("choose another name"), std::string::npos)
+        << name;
+    EXPECT_FALSE(fs::exists(folder_ / name) || fs::exists((folder_ / name).string() + ".part")) << name;
+  }
+  EXPECT_EQ(refusal(folder_ / "drive", Part::Kind::kFolder), "") << "empty so far";
+  EXPECT_EQ(refusal(folder_ / "Drive", Part::Kind::kFile), "") << "a file is not a recording";
+}
+
 TEST_F(PartTest, MakesNoFolderAboveItself) {
   EXPECT_NE(refusal(folder_ / "none" / "drive", Part::Kind::kFolder).find("none: no such folder"),
             std::string::npos);

@@ -172,6 +172,8 @@ void SessionController::start(const Request& request, std::int64_t utc_us, const
 
 void SessionController::begin(const std::string& name, std::int64_t utc_us) {
   if (state_.active) return;
+  if (const std::string taken = callbacks_.taken_by(name); !taken.empty())
+    throw ConfigError("--start " + name + ": there is a recording \"" + taken + "\": choose another name");
   SessionState state = state_;
   state.active = ActiveRecording{.name = name, .began_us = utc_us};
   callbacks_.store(state);

@@ -66,7 +66,8 @@ class SessionController {
   /// returning, and needs one: without another it is partial, and reported as such.  While nodes are being
   /// set up nothing starts.
   void take(const Request& request, std::int64_t utc_us, const Nodes& nodes);
-  /// Begins a recording without a request.
+  /// Begins a recording without a request, unless one is under way.
+  /// @throws ConfigError if the name is taken; std::system_error
   void begin(const std::string& name, std::int64_t utc_us);
   /// The program ends: so does a recording.
   void end();

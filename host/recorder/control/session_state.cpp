@@ -10,8 +10,8 @@
 #include "common/bus/wire_text.hpp"
 #include "common/frontend/front_end.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/new_name.hpp"
 #include "common/text/json_number.hpp"
-#include "common/text/printable.hpp"
 #include "common/types/block.hpp"
 #include "host/recorder/incarnation.hpp"
 
@@ -301,26 +301,6 @@ void write_session_state(const std::filesystem::path& recordings, const SessionS
   write_atomically(recordings / kSessionStateFile, text_of(state), disk);
 }
 
-namespace {
-
-/// ASCII's letters: file systems differ about all others.
-std::string in_small_letters(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
-/// "con", "COM1.old".  Source: Microsoft, Naming Files, Paths, and Namespaces.
-bool is_device_of_windows(const std::string& name) {
-  const std::string stem = in_small_letters(name.substr(0, name.find('.')));
-  constexpr std::array<std::string_view, 4> kDevices{"con", "prn", "aux", "nul"};
-  if (std::ranges::find(kDevices, stem) != kDevices.end()) return true;
-  return stem.size() == 4 && (stem.starts_with("com") || stem.starts_with("lpt")) && stem[3] >= '0' &&
-         stem[3] <= '9';
-}
-
-}  // namespace
-
 std::string fault_of_name(const std::string& name) {
   if (name.empty()) return "a recording needs a name";
   if (name.size() > kMostNameBytes) return "longer than " + std::to_string(kMostNameBytes) + " bytes";
@@ -336,20 +316,29 @@ std::string fault_of_name(const std::string& name) {
 }
 
 std::string fault_of_new_name(const std::string& name) {
-  if (std::string fault = fault_of_name(name); !fault.empty()) return fault;
-  if (const std::string hidden = first_hidden(name); !hidden.empty())
-    return "a name has no hidden character, and this one has " + hidden;
-  if (name.back() == '.' || is_device_of_windows(name))
-    return "Windows refuses this name: there none ends with a dot, and con, prn, aux, nul, com1 and lpt1 are "
-           "devices";
-  return "";
+  std::string fault = fault_of_name(name);
+  return fault.empty() ? fault_of_folder_name(name) : fault;
 }
+
+namespace {
+
+/// One that cannot be read keeps nobody from recording into the first folder.
+std::string beside_fallback(const std::filesystem::path& fallback, Disk& disk) {
+  try {
+    return fallback.empty() || !is_folder(folder_of(fallback), disk) ? ""
+                                                                     : differs_by_capitals(fallback, disk);
+  } catch (const std::system_error&) {
+    return "";
+  }
+}
+
+}  // namespace
 
 std::string taken_by(const std::filesystem::path& folder, const std::filesystem::path& fallback,
                      const std::vector<PastRecording>& past, Disk& disk) {
   const std::string name = folder.filename().string();
-  for (const std::string& other : list_folder(folder_of(folder), disk))
-    if (other != name && in_small_letters(other) == in_small_letters(name)) return other;
+  if (std::string other = differs_by_capitals(folder, disk); !other.empty()) return other;
+  if (std::string other = beside_fallback(fallback, disk); !other.empty()) return other;
   if (!path_exists(folder, disk)) return "";
   const bool is_taken = !is_folder(folder, disk) ||
                         !std::ranges::all_of(list_folder(folder, disk), comes_before_segments) ||

@@ -133,7 +133,8 @@ std::string fault_of_new_name(const std::string& name);
 
 /// The name of what keeps a new recording from this folder; empty: nothing does.  One in which a start came
 /// to nothing may be had again, but not if nodes may hold a rest of it, or its fallback may.  A name that
-/// differs from another by capitals only is taken: other systems would take the two for one.
+/// differs from another by capitals only, here or beside the fallback, is taken: other systems would take the
+/// two for one.
 /// @param fallback  of this recording; empty: none
 /// @throws std::system_error
 std::string taken_by(const std::filesystem::path& folder, const std::filesystem::path& fallback,

@@ -20,4 +20,16 @@ inline std::string_view unprotected_text(std::string_view text) {
   return text.starts_with('\'') && needs_apostrophe(text) ? text.substr(1) : text;
 }
 
+/// Quoted if it must be (RFC 4180).
+inline std::string quoted_if_needed(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+/// A foreign name as a cell.
+inline std::string name_cell(std::string_view name) {
+  return quoted_if_needed(protected_text(name));
+}
+
 }  // namespace roadbalance

@@ -14,21 +14,13 @@ namespace {
 
 constexpr int kTimeDecimals = 9;
 
-/// A name as a cell: quoted if it must be (RFC 4180).
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
-
 class CsvWriter final : public ExportWriter {
  public:
   CsvWriter(const std::filesystem::path& file, const ExportGroup& group) : sink_(file) {
     std::string names = "time_s", units = "s";
     for (const ExportChannel& channel : group.channel) {
-      names += "," + cell(protected_text(channel.name));
-      units += "," + cell(channel.unit);
+      names += "," + name_cell(channel.name);
+      units += "," + quoted_if_needed(channel.unit);
       const int decimals = decimals_of(channel.scale);
       column_.push_back({channel.scale, channel.offset_counts, std::pow(10.0, decimals), decimals});
     }

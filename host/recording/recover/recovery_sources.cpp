@@ -66,7 +66,7 @@ void RecoverySources::for_each(const Take& take, std::vector<RecordReader::Damag
 }
 
 SealedBlock RecoverySources::block_at(const Place& place, std::int64_t& timestamp_us) const {
-  const File file = File::open_to_read(files_[place.file].path, disk_);
+  const File file = File::open_segment(files_[place.file].path, disk_);
   std::vector<std::uint8_t> bytes(kLogHeaderBytes + kMaxLogChannelBytes + kMaxBlockBytes);
   std::vector<File::Unreadable> behind_it;
   bytes.resize(file.read_around(place.offset, bytes, behind_it));

@@ -9,6 +9,7 @@
 #include "common/record/failure_words.hpp"
 #include "common/record/file.hpp"
 #include "common/record/folder.hpp"
+#include "common/record/new_name.hpp"
 #include "common/record/record_folder.hpp"
 #include "common/record/room.hpp"
 #include "common/record/segment.hpp"
@@ -21,14 +22,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 // An unplugged disk loses no more than this.
 constexpr std::uint64_t kSyncBytes = std::uint64_t{64} << 20;
-
-/// Opening a pipe would wait for a program at its other end.
-bool would_wait(const fs::path& path) {
-  std::error_code is_not_there;
-  const fs::file_type type = fs::status(path, is_not_there).type();
-  return type == fs::file_type::fifo || type == fs::file_type::socket || type == fs::file_type::character ||
-         type == fs::file_type::block;
-}
 
 struct Stopped : std::runtime_error {
   Stopped() : std::runtime_error("stopped") {}
@@ -55,6 +48,7 @@ class Transfer {
     if (path_exists(goal_, to_disk_)) {
       compare_with_goal();
     } else {
+      expect_new_name(goal_, to_disk_);
       make_goal();
     }
     report_.to = goal_;
@@ -73,12 +67,13 @@ class Transfer {
     std::erase(names, kDigestsFile);
     std::ranges::sort(names);
     for (const std::string& name : names) {
+      // A pipe would wait for a program at its other end, a link would bring a foreign file into the copy.
+      if (const std::string kind = irregular_kind(from_ / name); !kind.empty())
+        throw std::runtime_error((from_ / name).string() + ": " + kind +
+                                 ", which no recording has; move it away");
       if (is_folder(from_ / name, from_disk_))
         throw std::runtime_error((from_ / name).string() +
                                  ": a folder, which no recording has; move it away");
-      if (would_wait(from_ / name))
-        throw std::runtime_error((from_ / name).string() +
-                                 ": neither a file nor a folder, which no recording has; move it away");
       report_.file.push_back({.name = name, .bytes = size_of_file(from_ / name, from_disk_)});
       report_.bytes += report_.file.back().bytes;
     }
@@ -144,11 +139,11 @@ class Transfer {
 
   // Bytes behind the last sync of an unplugged disk may be anything: only bytes that compare equal count.
   void copy(TransferredFile& file) {
-    const File original = File::open_to_read(from_ / file.name, from_disk_);
+    const File original = File::open_segment(from_ / file.name, from_disk_);
     const fs::path path = part_ / file.name;
     bool equal = path_exists(path, to_disk_);
+    const File before = equal ? File::open_segment(path, to_disk_) : File();  // before a link is written to
     File copy = equal ? File::open_to_write(path, to_disk_) : File::create(path, to_disk_);
-    const File before = equal ? File::open_to_read(path, to_disk_) : File();
     DigestOfBytes digest;
     std::uint64_t offset = 0, unsynced = 0;
     for (auto chunk = read(original, offset); !chunk.empty(); chunk = read(original, offset)) {
@@ -180,7 +175,7 @@ class Transfer {
   }
 
   Digest digest_of(const fs::path& path, Disk& disk) {
-    const File file = File::open_to_read(path, disk);
+    const File file = File::open_segment(path, disk);
     file.forget_cache();
     DigestOfBytes digest;
     std::uint64_t offset = 0;

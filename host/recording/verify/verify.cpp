@@ -248,6 +248,14 @@ void conclude(Reading& reading) {
   }
 }
 
+// None of them is a file of a recording: those that are must be regular, or are not read at all.
+void list_irregular(const std::filesystem::path& folder, Disk& disk, Verification& result) {
+  for (const std::string& name : list_folder(folder, disk))
+    if (const std::string kind = irregular_kind(folder / name); !kind.empty())
+      result.not_read.push_back(printable_text(name) + ": is " + kind + ", which is not read");
+  std::ranges::sort(result.not_read);
+}
+
 Verdict judge(const Verification& result) {
   bool damaged = result.blocks_refused > 0 || result.entries_refused > 0 || result.damaged_bytes > 0 ||
                  result.altered_headers > 0 || result.missing_segments > 0;
@@ -281,6 +289,7 @@ Verification verify_record(const std::filesystem::path& folder, Disk& on) {
     list_missing_segments(folder, finished, disk, reading);
     for (const std::string& line : find_elsewhere({folder}, disk))
       result.elsewhere.push_back(line + "; rb recover makes one recording of both");
+    list_irregular(folder, disk, result);
     compare_with_stops(reading);
     conclude(reading);
     result.verdict = judge(result);

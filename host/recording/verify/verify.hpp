@@ -48,6 +48,7 @@ struct Verification {
   };
   std::vector<Absent> absent;
   std::vector<std::string> elsewhere;  ///< parts of the recording that are in other folders, for people
+  std::vector<std::string> not_read;   ///< what lies in the folder and is no regular file, for people
   std::vector<std::string> notes;      ///< of the recorder, for people
   RecordedAlarms alarms;               ///< that it noted
   std::vector<std::string> indexes;    ///< that contradict their segments; they can be made again,

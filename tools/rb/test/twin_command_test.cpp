@@ -21,8 +21,9 @@ using Json = nlohmann::json;
 
 class TwinCommand : public testing::Test {
  protected:
-  void record(int seconds) {
-    const std::string text = test::replaced(test::slow_car(), "\ncutoff_hz = 60", "\ncutoff_hz = 100");
+  void record(int seconds, const std::string& first_channel = "fl_carrier_z") {
+    std::string text = test::replaced(test::slow_car(), "\ncutoff_hz = 60", "\ncutoff_hz = 100");
+    text = test::replaced(text, "\"fl_carrier_z\"", "\"" + first_channel + "\"");
     test::record_scenario(drive_, VehicleConfig::parse(text, "vehicle.toml"),
                           "?seed=4&seconds=" + std::to_string(seconds));
   }
@@ -70,6 +71,17 @@ TEST_F(TwinCommand, TellsEachChannelThatTheModelSpeaksOfAndNamesTheOthers) {
   }
   EXPECT_EQ(rows, 2500);
   EXPECT_NEAR(1.0 - residual / measured, json["channels"][0]["all"]["explained"].get<double>(), 1e-4);
+}
+
+// A spreadsheet computes a cell that begins with "="; RFC 4180 has quotes around one with a comma.
+TEST_F(TwinCommand, NoNameOfAChannelIsComputedByASpreadsheet) {
+  record(20, "=cmd,x");
+  ASSERT_EQ(twin({drive_, "--nominal", "--from", "10", "--to", "12", "--csv", folder_ / "twin.csv"}).code,
+            kDone);
+  std::ifstream file(folder_ / "twin.csv");
+  std::string names;
+  std::getline(file, names);
+  EXPECT_TRUE(names.starts_with("time_s,\"'=cmd,x_measured\",\"'=cmd,x_predicted\",")) << names;
 }
 
 TEST_F(TwinCommand, OfADriveTooShortToSettleThereIsNoAccount) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/config/section.hpp"
 #include "host/recorder/control/test/session_fixture.hpp"
 
 namespace roadbalance {
@@ -41,6 +42,16 @@ TEST_F(SessionControllerTest, AStopNamesTheNodeWhoseEndContradictsItsBlocks) {
       last(controller).text,
       "\"drive\" is on the disk; node 2: the blocks recorded are not those that its end sums up; rb verify "
       "says more");
+}
+
+TEST_F(SessionControllerTest, AStartWithoutARequestTakesNoNameThatIsTaken) {
+  taken = {"near2"};
+  SessionController controller = this->controller();
+  EXPECT_THROW(controller.begin("near2", kNow), ConfigError);
+  EXPECT_EQ(done, std::vector<std::string>{});
+  EXPECT_FALSE(state.active);
+  controller.begin("far", kNow);
+  EXPECT_EQ(done, std::vector<std::string>{"begin far"});
 }
 
 TEST_F(SessionControllerTest, AStartWithoutOneOfItsNodesIsPartialAndSaysSoAtOnce) {

@@ -181,6 +181,16 @@ TEST(SessionState, CapitalsAloneMakeNoOtherName) {
   EXPECT_EQ(taken_by(all.path() / "drive 2", "", {}), "");
 }
 
+// Where the first disk fails the recording goes on there, beside the other.
+TEST(SessionState, CapitalsAloneMakeNoOtherNameInTheFallbackEither) {
+  const test::TemporaryDirectory all, fallback;
+  std::filesystem::create_directory(fallback.path() / "Drive 1");
+  EXPECT_EQ(taken_by(all.path() / "drive 1", fallback.path() / "drive 1", {}), "Drive 1");
+  EXPECT_EQ(taken_by(all.path() / "drive 2", fallback.path() / "drive 2", {}), "");
+  EXPECT_EQ(taken_by(all.path() / "drive 1", fallback.path() / "none" / "drive 1", {}), "")
+      << "made when needed";
+}
+
 // The start was refused because of the disk; asked again it must not name a recording that was not made.
 TEST(SessionState, AStartThatCameToNothingLeavesItsNameFree) {
   const test::TemporaryDirectory all;

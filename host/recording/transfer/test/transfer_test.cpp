@@ -221,19 +221,34 @@ TEST(Transfer, LeavesDigestsThatSha256sumConfirms) {
   EXPECT_EQ(again.file.size(), kRecording.size());
 }
 
-// Opening a pipe would wait for a program that writes to it.
+// The disk that it is taken to may be of Windows or macOS.
+TEST_F(TransferOfARecording, HasANameThatOtherSystemsTake) {
+  create_folders("/archive/Monday", far_);
+  EXPECT_THAT(refusal(),
+              HasSubstr("/archive/monday: \"Monday\" lies beside it and differs by capitals only"));
+  EXPECT_FALSE(path_exists("/archive/monday.part", far_));
+}
+
+// Opening a pipe would wait for a program that writes to it; a link leads to files of others.
 TEST(Transfer, RefusesWhatIsNoFile) {
   const test::TemporaryDirectory work;
   const auto from = work.path() / "thursday", to = work.path() / "archive";
   for (const auto& folder : {from, to}) std::filesystem::create_directories(folder);
   std::ofstream(from / "seg-000001.lcm") << "samples";
+  const auto refusal = [&]() -> std::string {
+    try {
+      transfer(from, to, {}, {});
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
   ASSERT_EQ(::mkfifo((from / "pipe").c_str(), 0600), 0);
-  try {
-    transfer(from, to, {}, {});
-    ADD_FAILURE() << "was refused by nobody";
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr((from / "pipe").string() + ": neither a file nor a folder"));
-  }
+  EXPECT_THAT(refusal(), HasSubstr((from / "pipe").string() + ": a pipe, which no recording has"));
+  std::filesystem::remove(from / "pipe");
+  std::filesystem::create_symlink("/etc/passwd", from / "notes.txt");
+  EXPECT_THAT(refusal(), HasSubstr((from / "notes.txt").string() + ": a link, which no recording has"));
+  EXPECT_TRUE(std::filesystem::is_empty(to)) << "its content is copied nowhere";
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -38,6 +39,30 @@ class VerifyFinished : public test::WrittenRecord {
 
 TEST_F(VerifyFinished, IsComplete) {
   EXPECT_EQ(verdict(), Verdict::kComplete);
+}
+
+TEST_F(VerifyFinished, WhatIsNoRegularFileIsNamedAndNotRead) {
+  EXPECT_EQ(verify_record(folder).not_read, std::vector<std::string>{});
+  ASSERT_EQ(mkfifo((folder / "notes.txt").c_str(), 0600), 0);
+  fs::create_symlink("/etc/passwd", folder / "link.txt");
+  const Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kComplete);
+  EXPECT_EQ(v.not_read, (std::vector<std::string>{"link.txt: is a link, which is not read",
+                                                  "notes.txt: is a pipe, which is not read"}));
+}
+
+TEST_F(VerifyFinished, OneOfItsFilesThatIsNoRegularFileMakesItUnreadable) {
+  fs::rename(folder / "manifest.json", folder / "away");
+  fs::create_symlink(folder / "away", folder / "manifest.json");
+  Verification v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kUnreadable);
+  EXPECT_NE(v.error.find("manifest.json: a link, which is not followed"), std::string::npos) << v.error;
+  fs::rename(folder / "away", folder / "manifest.json");
+  fs::remove(segment(2));
+  ASSERT_EQ(mkfifo(segment(2).c_str(), 0600), 0);
+  v = verify_record(folder);
+  EXPECT_EQ(v.verdict, Verdict::kUnreadable);
+  EXPECT_NE(v.error.find("seg-000002.lcm: no regular file, which is not read"), std::string::npos) << v.error;
 }
 
 TEST_F(VerifyFinished, ASegmentCutShortIsDamageWhereverItIsCut) {
