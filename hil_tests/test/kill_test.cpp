@@ -126,7 +126,9 @@ TEST_F(Kill, ANodeKilledAndRestartedIsANewEpochAndTheOldOnesEndIsDeclared) {
     durable = bus.ack(kFront).durable;
   }
   Program restarted = node("front", "rate=20&seconds=20");
-  ASSERT_EQ(running.exit_code(test::BusWatch::kPatience_s), 0);
+  const auto code = running.exit_code(test::BusWatch::kPatience_s);
+  // The other one lives for a second: it may be over before the first is missed.
+  ASSERT_TRUE(code == 3 || code == 0) << code.value_or(-1);
 
   const Verification verification = verify_record(record);
   EXPECT_EQ(verification.verdict, Verdict::kIncomplete) << verdict_text(verification);

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <thread>
 
 #include "common/bus/codec.hpp"
@@ -71,6 +73,29 @@ TEST_F(MissingNodes, OfANodeWhoseServiceEndsIt) {
     EXPECT_NE(identify_record(recordings / name).refusal.find("node 2 (rear) ended "), std::string::npos);
     rear = staying("rear");
   }
+}
+
+// Whether the recorder hears of its end before the stop or behind it.
+TEST_F(MissingNodes, OfANodeThatEndsAtTheStop) {
+  Program recorder = operated_recorder(), front = staying("front"), rear = staying("rear");
+  begin("drive");
+  rear.signal(SIGTERM);
+  expect_told("drive", "ended ");
+}
+
+// Without requests, and before a node that is silent is missed.
+TEST_F(MissingNodes, OfANodeThatNeverComesToAShortRecording) {
+  const auto said = work.path() / "recorder.log";
+  Program recorder("rb-recorder",
+                   {"--url", url, "--record", record.string(), "--vehicle", vehicles / "car.toml"}, said);
+  Program front = node("front", "rate=1&seconds=10000");
+  ASSERT_TRUE(more_are_durable(kFront, 1));
+  recorder.signal(SIGTERM);
+  EXPECT_EQ(recorder.exit_code(60), 3);
+  std::ifstream log(said);
+  const std::string all{std::istreambuf_iterator<char>(log), {}};
+  EXPECT_NE(all.find("rb-recorder: node 2 (rear) never came"), std::string::npos) << all;
+  EXPECT_EQ(verify_record(record).verdict, Verdict::kIncomplete);
 }
 
 TEST_F(MissingNodes, OfANodeThatIsKilledNamesTheInstantFromWhichItIsNotHeard) {

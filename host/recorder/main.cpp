@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <exception>
@@ -9,7 +10,9 @@
 #include <stop_token>
 #include <string>
 
+#include "common/bus/absence.hpp"
 #include "common/command_line/bus_url.hpp"
+#include "common/command_line/exit_code.hpp"
 #include "common/command_line/manual.hpp"
 #include "common/command_line/run_program.hpp"
 #include "common/config/section.hpp"
@@ -29,7 +32,8 @@ namespace {
 
 using namespace roadbalance;
 
-/// {"nodes":[{"node":1,"epoch":...,"samples_sent":...,"samples_recorded":...,"gaps":...,"repaired":...,...}],...}
+/// {"nodes":[{"node":1,"epoch":...,"samples_sent":...,"samples_recorded":...,"gaps":...,"repaired":...,...}],
+/// "absent":[{"node":2,"text":"never came"}],...}
 std::string report_json(const RecorderReport& report) {
   nlohmann::json nodes = nlohmann::json::array();
   for (const auto& n : report.node)
@@ -41,12 +45,26 @@ std::string report_json(const RecorderReport& report) {
                      {"repaired", n.repaired},
                      {"blocks", n.blocks},
                      {"ended", n.ended}});
+  nlohmann::json absent = nlohmann::json::array();
+  for (const Absence& absence : report.absence)
+    absent.push_back({{"node", absence.node}, {"text", words(absence)}});
   return nlohmann::json{{"nodes", nodes},
+                        {"absent", absent},
                         {"blocks_refused", report.blocks_refused},
                         {"rival_heartbeats", report.rival_heartbeats},
                         {"foreign_nodes", report.foreign},
                         {"unsent", report.unsent}}
       .dump();
+}
+
+/// Of the recording that has ended: who was absent, for people.
+void print_absences(const RecorderReport& report, const std::vector<ExpectedNode>& expected) {
+  for (const Absence& absence : report.absence) {
+    const auto node = std::ranges::find(expected, absence.node, &ExpectedNode::number);
+    const std::string name = node == expected.end() ? "" : node->name;
+    std::fprintf(stderr, "rb-recorder: %s %s\n", node_words(absence.node, name).c_str(),
+                 words(absence).c_str());
+  }
 }
 
 /// As they are typed.
@@ -172,7 +190,10 @@ int main(int argc, char** argv) {
             : operate(signals.token(),
                       {.recorder = options, .recordings = recordings, .vehicle = vehicle, .start = start});
     if (json) std::printf("%s\n", report_json(report).c_str());
-    return 0;
+    // With --recordings, rb stop answers for each of them, and the end of the service is none of theirs.
+    if (!recordings.empty()) return kDone;
+    print_absences(report, options.expected);
+    return report.absence.empty() ? kDone : kIncomplete;
   } catch (const std::invalid_argument& error) {
     return report_failure(app, ConfigError(error.what()));
   } catch (const std::exception& error) {

@@ -54,9 +54,15 @@ Json receipt_json(const Receipt& receipt) {
 
 void print_receipt(const Receipt& receipt) {
   if (receipt.nodes == 0) return (void)std::printf("no node has been recorded\n");
-  std::printf("node %d: %lld samples, %lld lost, %lld repaired, %.1f s overload, ", receipt.node,
-              static_cast<long long>(receipt.samples_recorded),
-              static_cast<long long>(receipt.samples_sent - receipt.samples_recorded),
+  const std::string missing = receipt.missing();
+  if (receipt.epochs == 0)  // nothing of it could be lost, or summed up
+    return (void)std::printf("node %d: no samples; it %s\n", receipt.node, missing.c_str());
+  // Of samples that were never taken none is lost.
+  const std::int64_t lost = receipt.samples_sent - receipt.samples_recorded;
+  std::string loss = missing.empty() ? "" : "was absent";
+  if (missing.empty() || lost != 0) loss += (loss.empty() ? "" : ", ") + std::to_string(lost) + " lost";
+  std::printf("node %d: %lld samples, %s, %lld repaired, %.1f s overload, ", receipt.node,
+              static_cast<long long>(receipt.samples_recorded), loss.c_str(),
               static_cast<long long>(receipt.repaired), receipt.overload_s);
   if (receipt.sync_us >= 0) std::printf("clock within %.0f us, ", receipt.sync_us);
   const char* const proof =
@@ -65,8 +71,7 @@ void print_receipt(const Receipt& receipt) {
       : receipt.sums_agree        ? "agrees"
                            : "is not proven: blocks were lost, or the node's end says another (rb verify)";
   std::printf("CRC %08x %s\n", receipt.blocks_crc32c, proof);
-  if (const std::string missing = receipt.missing(); !missing.empty())
-    std::printf("node %d %s\n", receipt.node, missing.c_str());
+  if (!missing.empty()) std::printf("node %d %s\n", receipt.node, missing.c_str());
 }
 
 Json answer_json(const Answer& answer) {

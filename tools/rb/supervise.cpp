@@ -229,7 +229,7 @@ void add_supervise(CLI::App& app, int& code) {
       ->check(seconds_or_zero());
   command->add_option("program", options->words, "the program and its arguments")->required();
   command->footer(
-      "Ends with the program's exit code when that is 0, 2 or 127, or after SIGTERM, SIGINT or SIGQUIT.");
+      "Ends with the program's exit code when that is 0, 2, 3 or 127, or after SIGTERM, SIGINT or SIGQUIT.");
   command->callback([options, &code] { code = supervise(*options); });
 }
 

@@ -7,6 +7,7 @@ namespace roadbalance {
 namespace {
 
 constexpr int kUsageCode = 2;
+constexpr int kIncompleteCode = 3;  // it has ended in order, and samples are missing
 constexpr std::chrono::milliseconds kIdle{1000};
 
 }  // namespace
@@ -53,7 +54,7 @@ void Supervisor::take(std::string_view message, WallTime now) {
 }
 
 void Supervisor::ended(int code, WallTime now) {
-  if (code == 0 || code == kUsageCode || code == kCannotExecute || stopping_) {
+  if (code == 0 || code == kUsageCode || code == kIncompleteCode || code == kCannotExecute || stopping_) {
     over_ = code;
     return;
   }

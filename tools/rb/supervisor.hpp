@@ -13,8 +13,8 @@ namespace roadbalance {
 ///
 /// A program that fails is started again, at once the first time and then after ever longer waits, up to
 /// `longest_wait`; one that has run for `good_run` is trusted again.  A program that is watched and is not
-/// fed in time is killed: it hangs.  Exit codes 0, 2 (usage) and 127 (no such program), which would
-/// come for ever, and every end after a request to stop, are final.
+/// fed in time is killed: it hangs.  Exit codes 0, 2 (usage), 3 (ended, but samples are missing) and
+/// 127 (no such program), which would come for ever, and every end after a request to stop, are final.
 class Supervisor {
  public:
   static constexpr int kCannotExecute = 127;

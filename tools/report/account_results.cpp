@@ -95,7 +95,8 @@ std::string polar(const Json& vector) {
   return format("%.1f at %.0f°", std::hypot(x, y), std::fmod(degrees(std::atan2(y, x)) + 360.0, 360.0));
 }
 
-std::string gaps(const Json& nodes) {
+std::string gaps(const Json& proof) {
+  const Json& nodes = proof["nodes"];
   Rows rows;
   for (const Json& node : nodes) {
     for (const Json& gap : node["gaps"])
@@ -111,17 +112,25 @@ std::string gaps(const Json& nodes) {
   const bool ended = std::ranges::all_of(nodes, [](const Json& node) { return node["ended"].get<bool>(); });
   return (rows.empty() ? "" : table({"node", "from sample", "samples", "ms", "cause"}, rows)) +
          (ended ? "" : paragraph("What came after the last block of a node without its end is not known.")) +
-         (ended && rows.empty() ? paragraph("No sample between begin and end of a node is missing.") : "");
+         (ended && rows.empty()
+              ? paragraph(std::string("No sample between begin and end of a node is missing") +
+                          (proof["absent"].empty() ? "." : ", but a node was absent."))
+              : "");
 }
 
 std::string damage(const Json& proof) {
   Rows rows;
   for (const char* const list : {"damage", "indexes"})
     for (const Json& line : proof[list]) rows.push_back({line.get<std::string>()});
-  for (const Json& node : proof["absent"]) rows.push_back({node["text"].get<std::string>()});
   for (const Json& node : proof["nodes"])
     for (const Json& line : node["contradictions"]) rows.push_back({line.get<std::string>()});
   return rows.empty() ? "" : table({"damage"}, rows);
+}
+
+std::string absences(const Json& proof) {
+  Rows rows;
+  for (const Json& node : proof["absent"]) rows.push_back({node["text"].get<std::string>()});
+  return rows.empty() ? "" : table({"absent"}, rows);
 }
 
 }  // namespace
@@ -190,7 +199,9 @@ std::string account_proof(const DriveReport& report) {
                     node["samples_sent"].dump(), node["samples_recorded"].dump(),
                     node["samples_missing"].dump(), std::to_string(node["gaps"].size()),
                     node["losses"]["repaired"].dump(), node["ended"].get<bool>() ? "yes" : "no",
-                    node["complete"].get<bool>() ? "complete" : "not complete"});
+                    node["absent"].get<bool>()     ? "was absent"
+                    : node["complete"].get<bool>() ? "complete"
+                                                   : "not complete"});
   const auto count = [&](const char* key) { return proof[key].dump(); };
   return element("h2", "Proof of completeness") +
          paragraph("The recording is " + words_of(proof["verdict"]) + ".") +
@@ -204,7 +215,7 @@ std::string account_proof(const DriveReport& report) {
                    count("damaged_bytes") + "; torn bytes at the end: " + count("torn_bytes") +
                    "; segments missing: " + count("missing_segments") +
                    ", deleted: " + count("deleted_segments") + ".") +
-         gaps(proof["nodes"]) + damage(proof);
+         gaps(proof) + absences(proof) + damage(proof);
 }
 
 }  // namespace roadbalance

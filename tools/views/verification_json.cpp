@@ -1,5 +1,6 @@
 #include "tools/views/verification_json.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -48,7 +49,11 @@ Json losses_json(const NodeLosses& losses) {
   return json;
 }
 
-Json epoch_json(const VerifiedEpoch& epoch) {
+bool was_absent(const VerifiedEpoch& epoch, const Verification& result) {
+  return std::ranges::find(result.absent, epoch.node, &Verification::Absent::node) != result.absent.end();
+}
+
+Json epoch_json(const VerifiedEpoch& epoch, const Verification& result) {
   Json gaps = Json::array();
   for (const auto& gap : epoch.gaps)
     gaps.push_back({{"cause", cause_name(gap.cause)},
@@ -60,7 +65,8 @@ Json epoch_json(const VerifiedEpoch& epoch) {
                     {"milliseconds", milliseconds(gap.scans, epoch)}});
   return {{"node", epoch.node},
           {"epoch", epoch.epoch},
-          {"complete", epoch.is_complete()},
+          {"complete", epoch.is_complete() && !was_absent(epoch, result)},
+          {"absent", was_absent(epoch, result)},
           {"ended", epoch.ended},
           {"blocks", epoch.blocks},
           {"samples_sent", epoch.samples_sent},
@@ -77,8 +83,9 @@ Json epoch_json(const VerifiedEpoch& epoch) {
           {"losses", losses_json(epoch.losses)}};
 }
 
-const char* verdict_of(const VerifiedEpoch& epoch) {
+const char* verdict_of(const VerifiedEpoch& epoch, const Verification& result) {
   if (epoch.is_damaged()) return "damaged";
+  if (was_absent(epoch, result)) return "was absent";
   return epoch.is_complete() ? "complete" : "incomplete";
 }
 
@@ -99,11 +106,11 @@ void print_gap(const VerifiedGap& gap, const VerifiedEpoch& epoch) {
   std::printf(": %s\n", cause_name(gap.cause));
 }
 
-void print_epoch(const VerifiedEpoch& epoch) {
+void print_epoch(const VerifiedEpoch& epoch, const Verification& result) {
   std::printf("node %d epoch %lld: %lld blocks, %lld samples of %lld, %zu gaps, %s%s\n", epoch.node,
               static_cast<long long>(epoch.epoch), static_cast<long long>(epoch.blocks),
               static_cast<long long>(epoch.samples), static_cast<long long>(epoch.samples_sent),
-              epoch.gaps.size(), verdict_of(epoch), epoch.ended ? "" : ", no end");
+              epoch.gaps.size(), verdict_of(epoch, result), epoch.ended ? "" : ", no end");
   if (epoch.samples_deleted > 0)
     std::printf("  the first %lld scans are not in this folder any more, or never were\n",
                 static_cast<long long>(epoch.samples_deleted));
@@ -130,7 +137,7 @@ void print_epoch(const VerifiedEpoch& epoch) {
 
 nlohmann::ordered_json verification_json(const Verification& result) {
   Json nodes = Json::array();
-  for (const auto& epoch : result.epoch) nodes.push_back(epoch_json(epoch));
+  for (const auto& epoch : result.epoch) nodes.push_back(epoch_json(epoch, result));
   Json absent = Json::array();
   for (const auto& one : result.absent) absent.push_back({{"node", one.node}, {"text", one.text}});
   return {{"complete", result.verdict == Verdict::kComplete},
@@ -155,7 +162,7 @@ nlohmann::ordered_json verification_json(const Verification& result) {
 }
 
 void print_verification(const Verification& result) {
-  for (const auto& epoch : result.epoch) print_epoch(epoch);
+  for (const auto& epoch : result.epoch) print_epoch(epoch, result);
   for (const auto& line : result.notes) std::printf("%s\n", line.c_str());
   for (const auto& line : result.damage) std::printf("%s\n", line.c_str());
   for (const auto& line : result.lost) std::printf("%s\n", line.c_str());

@@ -172,6 +172,27 @@ TEST_F(OperateCommand, AStopGivesTheReceiptAndSaysByItsCodeWhatIsMissing) {
   EXPECT_EQ(rb({"stop"}).code, 3) << "no node has been recorded";
 }
 
+TEST_F(OperateCommand, AStopSaysNothingIsLostOfNoNodeThatWasAbsent) {
+  const Receipt early{.nodes = 2,
+                      .node = 1,
+                      .epochs = 1,
+                      .samples_sent = 100,
+                      .samples_recorded = 100,
+                      .blocks_crc32c = 0x12AB,
+                      .sums_agree = true,
+                      .name = "drive",
+                      .absence = "ended 38 s before the recording"};
+  const Receipt never{.index = 1, .nodes = 2, .node = 2, .name = "drive", .absence = "never came"};
+  const Answering recorder(url_, done("\"drive\" is on the disk"), {early, never});
+  const auto outcome = rb({"stop"});
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_NE(outcome.output.find("node 1: 100 samples, was absent, 0 repaired"), std::string::npos);
+  EXPECT_NE(outcome.output.find("node 1 ended 38 s before the recording\n"), std::string::npos);
+  EXPECT_NE(outcome.output.find("node 2: no samples; it never came\n"), std::string::npos);
+  EXPECT_EQ(outcome.output.find(" lost"), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find("not proven"), std::string::npos) << outcome.output;
+}
+
 TEST_F(OperateCommand, AStopWithoutEveryNodesReceiptIsNotProven) {
   const Receipt one{.nodes = 2, .node = 1, .epochs = 1, .sums_agree = true, .name = "drive"};
   for (const auto& receipts : {std::vector<Receipt>{}, std::vector<Receipt>{one}}) {

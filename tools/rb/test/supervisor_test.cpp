@@ -38,6 +38,12 @@ TEST_F(SupervisorTest, StartsAgainAtOnceAndThenEverMoreSlowlyUpToALimit) {
   EXPECT_EQ(supervisor.restarts(), 10);
 }
 
+TEST_F(SupervisorTest, DoesNotStartAgainWhatHasEndedThoughSamplesAreMissing) {
+  wait_for_start();
+  supervisor.ended(3, now);
+  EXPECT_EQ(supervisor.over(), 3);
+}
+
 TEST_F(SupervisorTest, TrustsAProgramAgainThatRanWell) {
   wait_for_start();
   for (int k = 0; k < 6; ++k) {

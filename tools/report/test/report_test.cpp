@@ -235,6 +235,24 @@ TEST(Report, SaysOfAnAccountWhatIsMissing) {
   EXPECT_FALSE(says(html, "<h2>Levels</h2>"));
 }
 
+TEST(Report, CallsNoNodeCompleteThatWasAbsent) {
+  DriveReport of = report();
+  of.account.emplace();
+  Verification proof;
+  proof.epoch.resize(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    proof.epoch[k].node = static_cast<std::int32_t>(k) + 1;
+    proof.epoch[k].ended = true;
+  }
+  proof.absent = {{.node = 2, .text = "node 2 (rear) ended 38 s before the recording"}};
+  of.account->proof = verification_json(proof);
+  const std::string html = report_html(of);
+  EXPECT_EQ(count_of(html, "<td>complete</td>"), 1u);
+  EXPECT_EQ(count_of(html, "<td>was absent</td>"), 1u);
+  EXPECT_TRUE(says(html, "is missing, but a node was absent."));
+  EXPECT_TRUE(says(html, "<td>node 2 (rear) ended 38 s before the recording</td>"));
+}
+
 TEST(Report, ProvesCompleteness) {
   DriveReport of = report();
   EXPECT_TRUE(says(report_html(of), "<td>640000</td>"));
