@@ -57,8 +57,9 @@ using ImportProgress = std::function<void(double part)>;
 /// for the digest, and never held: memory does not grow with their length.
 ///
 /// @throws ConfigError naming file, line, column or channel at fault: an unknown unit, a column for no
-///         channel, a channel without column, a rate more than 1 % off rate_hz, a file that was written to
-///         meanwhile; std::system_error for files; std::runtime_error if asked to stop: then nothing is left
+///         channel, a channel without column, a rate more than 1 % off rate_hz, a node without any sample, a
+///         file that was written to meanwhile; std::system_error for files; std::runtime_error if asked to
+///         stop: then nothing is left
 ImportReport import_samples(const SampleImport& import, const VehicleConfig& vehicle,
                             std::stop_token stop = {}, const ImportProgress& progress = {});
 
