@@ -53,6 +53,7 @@ using ImportProgress = std::function<void(double part)>;
 
 /// Makes a recording from other programs' samples, through the same sealing as a node's.  Channels go by
 /// their name to the node that vehicle.toml gives them; no sample is invented or moved to another channel.
+/// Two channels of one name go by with_unique_names().
 /// The same input gives the same record.  The files are gone through twice, first for their clock, once more
 /// for the digest, and never held: memory does not grow with their length.
 ///
