@@ -60,6 +60,9 @@ class BlockPacker {
   /// A read of a device that runs by the clock has returned, with what was added since the last call, at
   /// `now` by the device's clock.  Never called for a device that waits for its reader.
   void asked(NodeTime now) noexcept;
+  /// EpochTiling::begin_at(), before the first scan, and end_at(), before device_ended().
+  void begin_at(std::int64_t index, NodeTime time) noexcept { tiling_.begin_at(index, time); }
+  void end_at(std::int64_t index, NodeTime time) noexcept { tiling_.end_at(index, time); }
   /// The device has no more: seals all there is, and the end.
   void device_ended() noexcept;
 

@@ -52,6 +52,14 @@ EpochPacker::EpochPacker(const VehicleConfig& vehicle, const NodeConfig& node, s
 
 EpochPacker::~EpochPacker() = default;
 
+void EpochPacker::begin_at(std::int64_t index, NodeTime time) {
+  state_->packer.begin_at(index, time);
+}
+
+void EpochPacker::end_at(std::int64_t index, NodeTime time) {
+  state_->packer.end_at(index, time);
+}
+
 void EpochPacker::add(std::span<const Scan> scans, std::span<const Edge> edges,
                       std::span<const SignalSample> signals, bool more_edges) {
   state_->packer.add(signals);

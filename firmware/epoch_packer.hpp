@@ -23,6 +23,10 @@ class EpochPacker {
               GapCause jump = GapCause::kDeviceOverrun);
   ~EpochPacker();
 
+  /// The epoch has the scans of these indices, [begin, end), with their instants; those that are not added
+  /// at its begin and its end are missing, as a jump.  Before the first add(), and before end().
+  void begin_at(std::int64_t index, NodeTime time);
+  void end_at(std::int64_t index, NodeTime time);
   /// As BlockPacker::add: the result of one read of a front end.
   void add(std::span<const Scan> scans, std::span<const Edge> edges,
            std::span<const SignalSample> signals = {}, bool more_edges = false);

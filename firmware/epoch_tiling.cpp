@@ -14,7 +14,7 @@ std::int64_t EpochTiling::keep(const Scan& first, std::int64_t scans, std::int64
   scans_sampled_ += scans;
   const std::int64_t time_ns = std::exchange(kept_end_ns_, end_ns);
   // No index can show whether a device that gave nothing before was there.
-  const bool was_gone = first.after_absence || is_first_ever;
+  const bool was_gone = first.after_absence || (is_first_ever && !has_extent_);
   const bool is_late = std::exchange(is_late_, false) && !first.after_absence;
   if (number > next_scan_)
     declare_jump(number - next_scan_, time_ns,
@@ -78,20 +78,34 @@ bool EpochTiling::close_gap() noexcept {
 }
 
 bool EpochTiling::finish() noexcept {
-  return (!gap_ || close_gap()) && (!silent_at_end_ || declare_last_silence());
+  return (!gap_ || close_gap()) && declare_last_of_extent() && (!silent_at_end_ || declare_last_silence());
+}
+
+bool EpochTiling::declare_last_of_extent() noexcept {
+  if (!extent_end_) return true;
+  if (!declare_rest(extent_end_->index - *first_index_ - next_scan_, extent_end_->ns, jump_cause_))
+    return false;
+  extent_end_.reset();
+  return true;
 }
 
 /// Up to the stop, behind all that was kept.
 bool EpochTiling::declare_last_silence() noexcept {
   if (next_scan_ == 0) kept_end_ns_ = to_ns(started_.value_or(*silent_at_end_));
-  const std::int64_t scans = scans_between(kept_end_ns_, to_ns(*silent_at_end_));
-  GapBlock gap{.header = writer_.header(next_scan_, scans, kept_end_ns_), .cause = GapCause::kDeviceGone};
-  if (scans > 0 && !writer_.write(gap)) return false;
+  const std::int64_t until_ns = to_ns(*silent_at_end_);
+  if (!declare_rest(scans_between(kept_end_ns_, until_ns), until_ns, GapCause::kDeviceGone)) return false;
+  silent_at_end_.reset();
+  return true;
+}
+
+bool EpochTiling::declare_rest(std::int64_t scans, std::int64_t until_ns, GapCause cause) noexcept {
+  if (scans <= 0) return true;
+  GapBlock gap{.header = writer_.header(next_scan_, scans, kept_end_ns_), .cause = cause};
+  if (!writer_.write(gap)) return false;
   scans_sampled_ += scans;
   scans_missing_ += scans;
   next_scan_ += scans;
-  if (scans > 0) kept_end_ns_ = to_ns(*silent_at_end_);
-  silent_at_end_.reset();
+  kept_end_ns_ = until_ns;
   return true;
 }
 

@@ -75,6 +75,16 @@ class EpochTiling {
     if (at != NodeTime::min()) silent_at_end_ = std::min(*silent_at_end_, at);
   }
 
+  /// Of a source whose extent is known though it may lack scans at both ends: the epoch counts from the
+  /// scan of this index, which may be missing.  Before the first keep().
+  void begin_at(std::int64_t index, NodeTime time) noexcept {
+    first_index_ = index;
+    kept_end_ns_ = to_ns(time);
+    has_extent_ = true;
+  }
+  /// ... and ends before the scan of this index.  Before finish().
+  void end_at(std::int64_t index, NodeTime time) noexcept { extent_end_ = {index, to_ns(time)}; }
+
   /// `scans` scans are kept; those missing before them are declared.
   /// @param first    of them
   /// @param end_ns   one period after the last of them
@@ -106,7 +116,9 @@ class EpochTiling {
   std::int64_t end_ns(NodeTime now) const noexcept { return next_scan_ > 0 ? kept_end_ns_ : to_ns(now); }
   void count_from(const Scan& first_kept, bool is_first_ever) noexcept;
   void declare_jump(std::int64_t scans, std::int64_t time_ns, GapCause cause, NodeTime now) noexcept;
+  bool declare_last_of_extent() noexcept;
   bool declare_last_silence() noexcept;
+  bool declare_rest(std::int64_t scans, std::int64_t until_ns, GapCause cause) noexcept;
 
   BlockWriter& writer_;
   const std::int64_t period_ps_;
@@ -116,6 +128,11 @@ class EpochTiling {
   bool has_instant_ = false;         ///< it was appointed
   bool is_late_ = false;
   std::optional<NodeTime> silent_at_end_;  ///< until then, and not yet declared
+  bool has_extent_ = false;                ///< first_index_ was given
+  struct End {
+    std::int64_t index, ns;
+  };
+  std::optional<End> extent_end_;  ///< not yet declared
   /// Device index that the epoch counts from, once a scan is kept: that one's, or before it by what is
   /// missing since the start.
   std::optional<std::int64_t> first_index_;

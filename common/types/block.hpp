@@ -36,7 +36,7 @@ enum class GapCause : std::int32_t {
   kDeviceOverrun = 2,  ///< the device lost them before the node read it
   kLostAtNode = 4,     ///< the node no longer had the block when it was asked for
   kNodeCrash = 5,      ///< the epoch has no end: its length is unknown
-  kSourceGap = 6,      ///< imported data had a hole here
+  kSourceGap = 6,      ///< imported data had no sample of the node here
   kLostInRecord = 7,   ///< was damaged in the record or missing there when it was recovered
   kDeviceGone = 8,     ///< the device was not there: unplugged, its bus down
   kStartedLate = 9,    ///< the node heard of the start behind its instant

@@ -137,6 +137,39 @@ TEST(BlockPacker, DeclaresScansTheDeviceLostWithTheirExactRange) {
   EXPECT_EQ(gaps, 1);
 }
 
+TEST(BlockPacker, DeclaresWhatASourceOfKnownExtentLacksAtItsEnds) {
+  const auto vehicle = test::one_node_vehicle(kRate_hz);
+  const auto at = [](int scan) { return node_time_from_ns(scan * 500'000); };
+  for (const auto& [from, to] : {std::pair{0, 1'000}, {137, 1'000}, {0, 963}, {137, 963}, {999, 1'000}}) {
+    std::vector<SealedBlock> blocks;
+    EpochPacker packer(
+        vehicle, vehicle.node[0], kEpoch, [&](const SealedBlock& block) { blocks.push_back(block); },
+        GapCause::kSourceGap);
+    packer.begin_at(0, at(0));
+    packer.add(test::marked_scans(from, to, kRate_hz), {});
+    packer.end_at(1'000, at(1'000));
+    packer.end();
+    std::vector<std::pair<std::int64_t, std::int64_t>> expected, gaps;
+    if (from > 0) expected.emplace_back(0, from);
+    if (to < 1'000) expected.emplace_back(to, 1'000 - to);
+    std::int64_t next = 0;
+    for (const auto& block : blocks) {
+      if (block.kind == BlockKind::kMeta) continue;
+      EXPECT_EQ(block.header.first_scan, next);
+      EXPECT_EQ(block.header.time_ns, next * 500'000);
+      next += block.header.scans;
+      if (block.kind != BlockKind::kGap) continue;
+      gaps.emplace_back(block.header.first_scan, block.header.scans);
+      EXPECT_EQ(decode_gap(block).cause, GapCause::kSourceGap);
+    }
+    EXPECT_EQ(next, 1'000);
+    EXPECT_EQ(gaps, expected);
+    ASSERT_EQ(blocks.back().kind, BlockKind::kEnd);
+    EXPECT_EQ(decode_end(blocks.back()).scans_sealed, to - from);
+    EXPECT_EQ(decode_end(blocks.back()).scans_missing, 1'000 - (to - from));
+  }
+}
+
 TEST(BlockPacker, KeepsTheOldestOfAFullSinkAndOneGapThatGrows) {
   const auto vehicle = test::one_node_vehicle(kRate_hz);
   test::Valve valve;

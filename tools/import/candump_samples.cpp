@@ -100,6 +100,11 @@ class CandumpSamples final : public SampleSource {
         first_ns_ = last_ns_ = logged->time_ns;
         continue;
       }
+      if (!first_ns_ && is_of_export())
+        lines_.fail(
+            std::string("no frame ") + kCandumpStart +
+            " stands before it, so that its channels may be others than those of " + dbc_.file +
+            "; allowed: the log of rb export from its first line on, or a DBC file of other programs");
       if (first_ns_ && logged->time_ns < last_ns_)
         lines_.fail("its time goes back; allowed: frames in order of time");
       if (!first_ns_) first_ns_ = logged->time_ns;

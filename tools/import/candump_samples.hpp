@@ -13,7 +13,7 @@ namespace roadbalance {
 /// remote and error frames are passed over.
 /// Time counts from the first frame, in a log of `rb export` from the recording's start (kCandumpStart). Such
 /// a log is taken only with the DBC file of an export of the same channels, whose nodes are the channels'
-/// nodes.
+/// nodes; and such a file only for a log that begins with that frame, which alone tells cars apart.
 ///
 /// @throws ConfigError "file:line: reason; allowed: ..." of the log or the DBC file, reading it too: a line
 ///         that is none, a time that goes back, a frame shorter than its message, an unknown unit, a signal's

@@ -90,10 +90,12 @@ class Understanding {
     ChannelUnit found{.channel = column.name, .in_file = ascii(column.unit)};
     const auto* const units = units_.of(column.name);
     const auto* const sensitivity = sensitivity_.of(column.name);
-    const std::string name = units ? units->text : column.unit;
+    const bool is_road = role == ChannelRole::kRoad;
+    const char* const si = is_road ? "m" : "m/s^2";
+    const std::string& in_file = column.unit.empty() && column.quantity != si ? column.quantity : column.unit;
+    const std::string name = units ? units->text : in_file;
     const auto unit = unit_named(name);
     const std::string by_units = units ? ", by --units " + name + what_the_file_says(column) : "";
-    const bool is_road = role == ChannelRole::kRoad;
     const bool is_voltage = unit && unit->quantity == Quantity::kVoltage;
     if (sensitivity && !is_road && (is_voltage || name.empty())) {
       take_sensitivity(unit ? unit->factor : 1.0, sensitivity->text, found);
@@ -104,7 +106,6 @@ class Understanding {
       sensitivity_.fail(sensitivity->text, "channel " + column.name + " is " +
                                                (is_road ? "no acceleration" : "in \"" + ascii(name) + "\"") +
                                                "; allowed: accelerations in V or mV");
-    const char* const si = is_road ? "m" : "m/s^2";
     if (name.empty()) {
       found.meaning = std::string(si) + " is assumed, for the file has no unit";
       return found;

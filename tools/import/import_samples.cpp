@@ -14,6 +14,7 @@
 #include "common/types/block.hpp"
 #include "host/recording/formats/candump_writer.hpp"
 #include "host/recording/formats/line_reader.hpp"
+#include "host/recording/formats/unique_names.hpp"
 #include "host/recording/formats/units.hpp"
 #include "host/recording/transfer/digest.hpp"
 #include "tools/import/imported_record.hpp"
@@ -266,8 +267,9 @@ std::vector<std::string> origin_of(const SampleImport& import, const ImportRepor
 
 }  // namespace
 
-ImportReport import_samples(const SampleImport& import, const VehicleConfig& vehicle, std::stop_token stop,
-                            const ImportProgress& progress) {
+ImportReport import_samples(const SampleImport& import, const VehicleConfig& as_described,
+                            std::stop_token stop, const ImportProgress& progress) {
+  const VehicleConfig vehicle = with_unique_names(as_described);
   Part folder(import.folder, Part::Kind::kFolder);
   Input input(import, vehicle, std::move(stop), progress);
   const ColumnOf column = match_columns(import, input.columns(), vehicle);

@@ -53,12 +53,14 @@ using ImportProgress = std::function<void(double part)>;
 
 /// Makes a recording from other programs' samples, through the same sealing as a node's.  Channels go by
 /// their name to the node that vehicle.toml gives them; no sample is invented or moved to another channel.
+/// Two channels of one name go by with_unique_names().
 /// The same input gives the same record.  The files are gone through twice, first for their clock, once more
 /// for the digest, and never held: memory does not grow with their length.
 ///
 /// @throws ConfigError naming file, line, column or channel at fault: an unknown unit, a column for no
-///         channel, a channel without column, a rate more than 1 % off rate_hz, a file that was written to
-///         meanwhile; std::system_error for files; std::runtime_error if asked to stop: then nothing is left
+///         channel, a channel without column, a rate more than 1 % off rate_hz, a node without any sample, a
+///         file that was written to meanwhile; std::system_error for files; std::runtime_error if asked to
+///         stop: then nothing is left
 ImportReport import_samples(const SampleImport& import, const VehicleConfig& vehicle,
                             std::stop_token stop = {}, const ImportProgress& progress = {});
 

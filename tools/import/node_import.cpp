@@ -101,7 +101,11 @@ bool NodeImport::is_there(std::span<const double> cells, std::int64_t row) const
 
 void NodeImport::add(std::span<const double> cells, std::int64_t row, std::int64_t index, NodeTime time) {
   for (auto& [input, suspicion] : suspicion_) suspicion.add(cells[input.column]);
+  if (row == 0) packer_.begin_at(index, time);
+  end_index_ = index + 1;
+  end_time_ = time + NodeClock::duration(std::llround(1e9 / node_.rate_hz));
   if (!is_there(cells, row)) return;
+  has_sample_ = true;
   Scan& scan = scans_.emplace_back(Scan{.index = index, .time = time});
   for (const Input& input : input_) {
     const ChannelConfig& channel = node_.channel[input.channel];
@@ -124,8 +128,20 @@ void NodeImport::seal() {
       mark_counts_[static_cast<std::size_t>(line)] = counts;
 }
 
+// Its epoch would be one gap, from which nothing can be computed.
+void NodeImport::refuse_absence() const {
+  std::string channels;
+  for (const Input& input : input_)
+    channels += (channels.empty() ? "" : ", ") + node_.channel[input.channel].name;
+  throw ConfigError(samples_.string() + ": node " + node_.name + " has no sample: each of " + channels +
+                    " is empty, not available or out of its range; allowed: samples of each node, or a file "
+                    "and a vehicle's description without the node");
+}
+
 void NodeImport::end() {
+  if (!has_sample_) refuse_absence();
   seal();
+  packer_.end_at(end_index_, end_time_);
   packer_.end();
 }
 

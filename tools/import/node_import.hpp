@@ -63,6 +63,8 @@ class NodeImport {
   /// @param row  from 0, for errors
   /// @throws ConfigError if some are
   void add(std::span<const double> cells, std::int64_t row, std::int64_t index, NodeTime time);
+  /// Nothing follows.  Rows of the file before the node's first scan, and behind its last, are a gap, too.
+  /// @throws ConfigError if the node has no scan at all
   void end();
 
   const NodeConfig& node() const { return node_; }
@@ -75,6 +77,7 @@ class NodeImport {
     std::size_t channel, column;
   };
   void seal();
+  [[noreturn]] void refuse_absence() const;
   bool is_there(std::span<const double> cells, std::int64_t row) const;
 
   const VehicleConfig& vehicle_;
@@ -84,6 +87,9 @@ class NodeImport {
   std::vector<std::pair<Input, ChannelSuspicion>> suspicion_;
   std::vector<Edge> edges_;  ///< not yet sealed, with scans_
   std::vector<Scan> scans_;
+  bool has_sample_ = false;
+  std::int64_t end_index_ = 0;  ///< behind the last row, with its time
+  NodeTime end_time_{};
   Counts counts_;
   std::array<std::array<int, 2>, kEncoderLines> mark_counts_{};  ///< the latest that were wrong
   EpochPacker packer_;

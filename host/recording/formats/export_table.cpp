@@ -10,6 +10,7 @@
 #include "common/types/bounded_time.hpp"
 #include "common/types/crc32c.hpp"
 #include "host/recording/formats/survey.hpp"
+#include "host/recording/formats/unique_names.hpp"
 
 namespace roadbalance {
 namespace {
@@ -124,7 +125,7 @@ void sort_by_node(const VehicleConfig& vehicle, std::vector<const RecordedSpan*>
 }
 
 /// All spans on the grid of the earliest, as one group; the others remain in `left`.
-ExportGroup common_group(const RecordingSurvey& survey, std::vector<const RecordedSpan*>& left) {
+ExportGroup common_group(const VehicleConfig& vehicle, std::vector<const RecordedSpan*>& left) {
   const auto earliest = std::min_element(
       left.begin(), left.end(), [](const auto* a, const auto* b) { return a->first_ns < b->first_ns; });
   const RecordedSpan& first = **earliest;
@@ -141,10 +142,9 @@ ExportGroup common_group(const RecordingSurvey& survey, std::vector<const Record
         std::none_of(taken.begin(), taken.end(), [&](const auto* t) { return overlap(*t, *span); });
     (fits ? taken : others).push_back(span);
   }
-  sort_by_node(survey.vehicle, taken);
+  sort_by_node(vehicle, taken);
   for (const RecordedSpan* span : taken)
-    add_part(survey.vehicle, *span, std::llround(position(span->first_ns, first.first_ns, first.period_ps)),
-             group);
+    add_part(vehicle, *span, std::llround(position(span->first_ns, first.first_ns, first.period_ps)), group);
   left = std::move(others);
   return group;
 }
@@ -154,8 +154,8 @@ std::string name_of(const VehicleConfig& vehicle, std::int32_t id) {
   return node ? node->name : "node" + std::to_string(id);
 }
 
-ExportGroup own_group(const RecordingSurvey& survey, const RecordedSpan& span, int number) {
-  ExportGroup group{.name = name_of(survey.vehicle, span.node),
+ExportGroup own_group(const VehicleConfig& vehicle, const RecordedSpan& span, int number) {
+  ExportGroup group{.name = name_of(vehicle, span.node),
                     .first_ns = span.first_host_ns(),
                     .origin_ns = span.first_host_ns(),
                     .period_ps = span.period_ps};
@@ -165,21 +165,21 @@ ExportGroup own_group(const RecordingSurvey& survey, const RecordedSpan& span, i
   const double nominal_hz = 1e12 / static_cast<double>(span.period_ps);
   const double mean_hz = seconds > 0.0 ? scans / seconds : nominal_hz;
   group.rate_hz = std::abs(mean_hz / nominal_hz - 1.0) < kMostDrift ? mean_hz : nominal_hz;
-  add_part(survey.vehicle, span, 0, group);
+  add_part(vehicle, span, 0, group);
   return group;
 }
 
-std::vector<ExportGroup> groups_of(const RecordingSurvey& survey) {
+std::vector<ExportGroup> groups_of(const RecordingSurvey& survey, const VehicleConfig& vehicle) {
   std::vector<const RecordedSpan*> left;
   for (const auto& span : survey.span) left.push_back(&span);
   std::vector<ExportGroup> groups;
   if (survey.own_clocks())
     std::erase_if(left, [](const auto* span) { return !span->first_fit; });
   else
-    groups.push_back(common_group(survey, left));
-  sort_by_node(survey.vehicle, left);
+    groups.push_back(common_group(vehicle, left));
+  sort_by_node(vehicle, left);
   std::map<std::int32_t, int> seen;
-  for (const RecordedSpan* span : left) groups.push_back(own_group(survey, *span, ++seen[span->node]));
+  for (const RecordedSpan* span : left) groups.push_back(own_group(vehicle, *span, ++seen[span->node]));
   std::erase_if(groups, [](const ExportGroup& group) { return group.channel.empty() || group.rows == 0; });
   return groups;
 }
@@ -232,11 +232,12 @@ void keep_rows(const ExportSelection& selection, ExportGroup& group) {
 }  // namespace
 
 ExportTable make_table(const RecordingSurvey& survey) {
+  const VehicleConfig vehicle = with_unique_names(survey.vehicle);
   ExportTable table{.vehicle = survey.vehicle.name,
                     .vehicle_toml = survey.vehicle.text,
                     .program = survey.program,
-                    .meaning_crc32c = meaning_crc32c(survey.vehicle),
-                    .group = groups_of(survey)};
+                    .meaning_crc32c = meaning_crc32c(vehicle),
+                    .group = groups_of(survey, vehicle)};
   table.start_utc_us = survey.start_utc_us;
   table.start_by_clock = survey.start_by_clock;
   table.own_clocks = survey.own_clocks();

@@ -23,7 +23,8 @@ inline constexpr std::int32_t kMissingCounts = std::numeric_limits<std::int32_t>
 /// One channel: value = (counts - offset_counts) * scale, in `unit`.
 struct ExportChannel {
   std::size_t number = 0;  ///< among all that can be exported of the vehicle, in the order of vehicle.toml
-  std::string name = {};   ///< as in vehicle.toml; references are called <wheel>_angle_sin, <wheel>_angle_cos
+  std::string name = {};   ///< as in vehicle.toml, made unique (with_unique_names()); references are called
+                           ///< <wheel>_angle_sin, <wheel>_angle_cos
   std::string unit = {};   ///< m/s^2, of references 1
   std::string node = {};
   double scale = 1.0;
@@ -102,7 +103,7 @@ struct ExportTable {
 /// one without a fit beside others that have theirs is left out, since its time is unknown.
 ///
 /// Groups and channels stand in the order of vehicle.toml's nodes, whichever node was heard first: the same
-/// channel has the same number in every recording of a car.
+/// channel has the same name and number in every recording of a car.
 ExportTable make_table(const RecordingSurvey& survey);
 
 /// The wanted part of a table.

@@ -42,6 +42,8 @@ struct FileChannel {
   std::string name = {};
   std::string unit = {};  ///< as it stands there; empty: there is none
   std::string node = {};  ///< that it comes from; empty: the file has none
+  /// Without a unit: the SI unit of the quantity that the file says it is; empty: the file says none.
+  std::string quantity = {};
   bool operator==(const FileChannel&) const = default;
 };
 

@@ -97,7 +97,7 @@ void send_all(int pipe, const std::filesystem::path& file, const OpenSamples& op
   const auto source = open(file);
   std::string texts;
   for (const FileChannel& channel : source->channels())
-    for (const std::string* text : {&channel.name, &channel.unit, &channel.node})
+    for (const std::string* text : {&channel.name, &channel.unit, &channel.node, &channel.quantity})
       texts.append(*text).push_back('\0');
   put(pipe, MessageKind::kChannels, texts);
   SampleRows rows;
@@ -267,7 +267,7 @@ class SeparateSamples final : public SampleSource {
     std::vector<FileChannel> channels;
     for (std::size_t at = 0; at < text.size();) {
       FileChannel& channel = channels.emplace_back();
-      for (std::string* part : {&channel.name, &channel.unit, &channel.node})
+      for (std::string* part : {&channel.name, &channel.unit, &channel.node, &channel.quantity})
         if (at < text.size()) at += (*part = text.c_str() + at).size() + 1;
     }
     return channels;

@@ -89,7 +89,7 @@ void pass_over(Lines& lines) {
 }
 
 /// From data set 164: units of length in a metre.
-double length_factor(Lines& lines) {
+double read_length_factor(Lines& lines) {
   lines.need("units");
   lines.need("conversion factors");
   const double factor = lines.number(0, 25, "length factor");
@@ -98,40 +98,66 @@ double length_factor(Lines& lines) {
   return factor;
 }
 
-/// Record 9: the kind of quantity and its unit.
+/// The unit at the end of an axis' label: "Acceleration g", "Acceleration (mm/s^2)"; empty: there is none.
+std::string unit_in(std::string_view label) {
+  const bool round = label.ends_with(')'), square = label.ends_with(']');
+  if (const auto at = label.find_last_of(round ? '(' : square ? '[' : ' '); at != std::string_view::npos)
+    label.remove_prefix(at + 1);
+  if (round || square) label.remove_suffix(1);
+  return unit_named(label) ? std::string(trimmed(label)) : std::string();
+}
+
+/// Record 9: the kind of quantity and its unit, and the lengths that hold where it stands.
 struct Ordinate {
   std::int64_t type = 0;
   std::string unit = {};
+  std::optional<double> length_factor = {};  ///< units of length in a metre; nothing: no data set 164 so far
 };
 
-Ordinate ordinate(const Lines& lines) {
-  const std::string_view label = lines.field(47, 20);
+Ordinate ordinate(const Lines& lines, std::optional<double> length_factor) {
+  const std::string_view unit = lines.field(47, 20);
   return {.type = lines.integer(0, 10, "ordinate's specific data type"),
-          .unit = std::string(label == "NONE" ? std::string_view() : label)};
+          .unit = unit.empty() || unit == "NONE" ? unit_in(lines.field(26, 20)) : std::string(unit),
+          .length_factor = length_factor};
 }
 
 /// @param factor  units of length in a metre
-std::string unit_of(const Ordinate& ordinate, double factor) {
-  constexpr std::int64_t kUnknown = 0, kGeneral = 1, kDisplacement = 8, kVelocity = 11, kAcceleration = 12;
-  if (!ordinate.unit.empty()) return ordinate.unit;
-  if (ordinate.type == kUnknown || ordinate.type == kGeneral) return {};
+std::string length_name(double factor) {
   // Files give the factor with as few as five digits.
   const auto is_it = [&](const char* length) {
     return std::abs(factor * unit_named(length)->factor - 1.0) < 1e-4;
   };
   constexpr std::array kLengths{"m", "mm", "cm", "in", "ft"};
   const auto length = std::ranges::find_if(kLengths, is_it);
-  const std::string name = length == kLengths.end() ? "length/" + format("%g", factor) : *length;
+  return length == kLengths.end() ? "length/" + format("%g", factor) : *length;
+}
+
+/// @param any_lengths  the file has a data set 164, if only behind it
+FileChannel channel_of(const std::string& name, const Ordinate& ordinate, bool any_lengths) {
+  constexpr std::int64_t kUnknown = 0, kGeneral = 1, kDisplacement = 8, kVelocity = 11, kAcceleration = 12;
+  FileChannel channel{.name = name, .unit = ordinate.unit};
+  if (!ordinate.unit.empty() || ordinate.type == kUnknown || ordinate.type == kGeneral) return channel;
+  const char* per = "";
   switch (ordinate.type) {
     case kDisplacement:
-      return name;
+      break;
     case kVelocity:
-      return name + "/s";
+      per = "/s";
+      break;
     case kAcceleration:
-      return name + "/s^2";
+      per = "/s^2";
+      break;
     default:
-      return "data type " + std::to_string(ordinate.type);
+      channel.unit = "data type " + std::to_string(ordinate.type);
+      return channel;
   }
+  if (ordinate.length_factor)
+    channel.unit = length_name(*ordinate.length_factor) + per;
+  else if (any_lengths)
+    channel.unit = "of data set 164, which stands behind it";  // whether it holds there, too, is unknown
+  else
+    channel.quantity = std::string("m") + per;
+  return channel;
 }
 
 /// The number at the begin of a text.
@@ -205,7 +231,7 @@ class UniversalSamples final : public SampleSource {
           find_function();
           break;
         case 164:
-          length_factor_ = length_factor(lines_);
+          length_factor_ = read_length_factor(lines_);
           break;
         default:
           pass_over(lines_);
@@ -213,7 +239,7 @@ class UniversalSamples final : public SampleSource {
     }
     if (channel_.empty()) lines_.fail("no time response (data set 58, function type 1)");
     for (std::size_t c = 0; c < channel_.size(); ++c)
-      channel_[c].unit = unit_of(ordinate_[c], length_factor_);
+      channel_[c] = channel_of(channel_[c].name, ordinate_[c], length_factor_.has_value());
   }
 
   const std::vector<FileChannel>& channels() const override { return channel_; }
@@ -260,7 +286,7 @@ class UniversalSamples final : public SampleSource {
     lines_.need("record 8");
     expect_seconds();
     lines_.need("record 9");
-    ordinate_.push_back(ordinate(lines_));
+    ordinate_.push_back(ordinate(lines_, length_factor_));
     lines_.need("record 10");
     lines_.need("record 11");
     take(name, abscissa, type == 2 ? 6 : 4, type == 2 ? 13 : 20);
@@ -291,8 +317,8 @@ class UniversalSamples final : public SampleSource {
   const std::shared_ptr<const File> file_;
   Lines lines_;
   std::vector<FileChannel> channel_;
-  std::vector<Ordinate> ordinate_;  ///< [channel]
-  double length_factor_ = 1.0;
+  std::vector<Ordinate> ordinate_;       ///< [channel]
+  std::optional<double> length_factor_;  ///< of the data set 164 read last
   std::vector<Column> column_;
   Abscissa abscissa_;
   std::set<std::string> seen_;

@@ -134,6 +134,27 @@ TEST_F(ImportSamples, GivesAnotherEpochToOtherPulsesAndAnotherVehicle) {
   EXPECT_NE(epoch("2.01,front_left,tooth\n", "d"), first);
 }
 
+TEST_F(ImportSamples, TakesANameThatTwoNodesHaveOnlyWithItsNode) {
+  VehicleConfig vehicle = two_nodes();
+  for (NodeConfig& node : vehicle.node) node.channel[0].name = "up";
+  // As it is exported; "second" is in g, "first" in m/s^2.
+  const ImportReport report = import_samples(
+      {.samples = write("s.csv", samples(1'000, uniform)), .folder = folder_ / "record"}, vehicle);
+  EXPECT_EQ(report.channels.at(0).channel, "second_up");
+  for (const SealedBlock& block : blocks_of_record()) {
+    if (block.kind != BlockKind::kScan) continue;
+    const auto n = static_cast<std::size_t>(block.header.node - 1);
+    const double unit = n == 0 ? 0.002 : 0.001 * 9.80665;
+    EXPECT_NEAR(vehicle.node[n].channel[0].to_si(decode_scan(block).counts[1][0]),
+                unit * static_cast<double>((block.header.first_scan + 1) % 1000), 50.0 / kFullScaleCounts);
+  }
+  // Whose it is cannot be known.
+  fs::remove_all(folder_ / "record");
+  EXPECT_NE(
+      error_of("time_s,up\ns,g\n2.000,1\n2.002,1\n2.004,1\n", vehicle).find("no column for channel first_up"),
+      std::string::npos);
+}
+
 TEST_F(ImportSamples, RefusesWhatItDoesNotUnderstandAndNamesIt) {
   const auto v = two_nodes();
   const auto good = samples(50, uniform);

@@ -19,12 +19,13 @@ class ImportUnits : public ImportSamples {
   static double stored(int row) { return 0.5 + 0.25 * (row % 4); }
 
   /// Data set 58 of a channel: record 9 with a type and a unit's label.
-  static std::string function(const std::string& name, int type, const std::string& unit) {
+  static std::string function(const std::string& name, int type, const std::string& unit,
+                              const std::string& axis = "Acceleration") {
     std::string text = "    -1\n    58\n" + name + "\nNONE\nNONE\nNONE\nNONE\n";
     text += "    1         1    0         0 NONE               1   3 NONE               0   0\n";
     text += line("%10d%10d%10d%13.5E%13.5E%13.5E\n", 4, kRows, 1, 0.0, 1.0 / kRate_hz, 0.0);
     text += line("%10d%5d%5d%5d %-20s %-20s\n", 17, 0, 0, 0, "Time", "s");
-    text += line("%10d%5d%5d%5d %-20s %-20s\n", type, 1, 0, 0, "Acceleration", unit.c_str());
+    text += line("%10d%5d%5d%5d %-20s %-20s\n", type, 1, 0, 0, axis.c_str(), unit.c_str());
     text += line("%10d%5d%5d%5d %-20s %-20s\n", 0, 0, 0, 0, "NONE", "NONE");
     text += line("%10d%5d%5d%5d %-20s %-20s\n", 0, 0, 0, 0, "NONE", "NONE");
     for (int row = 0; row < kRows; ++row) text += line("%20.12E%s", stored(row), row % 4 == 3 ? "\n" : "");
@@ -45,21 +46,24 @@ class ImportUnits : public ImportSamples {
   /// m/s^2 for each unit of the file's numbers, by the record that import makes; or the refusal.
   struct Result {
     double factor = 0.0;
-    std::string said, refused;
+    std::string said, refused, in_file, second_said;
   };
   Result import(const std::string& head, int type, const std::string& unit, const UnitOptions& options = {}) {
+    return import_file(head + function("first_up", type, unit) + function("second_up", 12, "m/s^2"), options);
+  }
+  Result import_file(const std::string& text, const UnitOptions& options = {}) {
     const auto car = two_nodes();
     fs::remove_all(folder_ / "record");
     Result result;
     try {
-      const ImportReport report =
-          import_samples({.samples = write("drive.uff", head + function("first_up", type, unit) +
-                                                            function("second_up", 12, "m/s^2")),
-                          .folder = folder_ / "record",
-                          .open = open_uff58_samples,
-                          .units = options},
-                         car);
+      const ImportReport report = import_samples({.samples = write("drive.uff", text),
+                                                  .folder = folder_ / "record",
+                                                  .open = open_uff58_samples,
+                                                  .units = options},
+                                                 car);
       result.said = report.channels.at(0).meaning;
+      result.in_file = report.channels.at(0).in_file;
+      result.second_said = report.channels.at(1).meaning;
     } catch (const ConfigError& error) {
       result.refused = error.what();
       return result;
@@ -107,10 +111,57 @@ TEST_F(ImportUnits, WithoutALabelTheFilesLengthsCount) {
 }
 
 TEST_F(ImportUnits, WithoutAnyUnitSiIsAssumedAndSaid) {
-  const Result result = import("", 0, "NONE");
-  EXPECT_NEAR(result.factor, 1.0, 1e-5);
-  EXPECT_EQ(result.said, "m/s^2 is assumed, for the file has no unit");
-  EXPECT_NEAR(import("", 0, "", {.units = {"g"}}).factor, 9.80665, 1e-5);
+  // Unknown, general, acceleration: none of them names a unit.
+  for (const int type : {0, 1, 12}) {
+    const Result result = import("", type, "NONE");
+    EXPECT_NEAR(result.factor, 1.0, 1e-5);
+    EXPECT_EQ(result.said, "m/s^2 is assumed, for the file has no unit") << type;
+    EXPECT_EQ(result.in_file, "") << type;
+    EXPECT_NEAR(import("", type, "", {.units = {"g"}}).factor, 9.80665, 1e-5) << type;
+    EXPECT_NEAR(import("", type, "", {.sensitivity = {"500mV/g"}}).factor, 9.80665 / 0.5, 1e-5) << type;
+  }
+}
+
+TEST_F(ImportUnits, AUnitAtTheEndOfTheAxisLabelCounts) {
+  const auto of_axis = [&](const std::string& head, int type, const std::string& unit,
+                           const std::string& axis) {
+    return import_file(head + function("first_up", type, unit, axis) + function("second_up", 12, "m/s^2"));
+  };
+  for (const int type : {0, 12}) {
+    EXPECT_NEAR(of_axis("", type, "NONE", "Acceleration g").factor, 9.80665, 1e-5) << type;
+    EXPECT_NEAR(of_axis("", type, "", "Acc. (mm/s^2)").factor, 0.001, 1e-5) << type;
+    EXPECT_NEAR(of_axis("", type, "", "Acc. [in / s^2]").factor, 0.0254, 1e-5) << type;
+    EXPECT_NE(of_axis("", type, "", "Sensor V").refused.find("its unit is \"V\""), std::string::npos) << type;
+    EXPECT_NE(of_axis("", type, "", "Upright X").said.find("is assumed"), std::string::npos) << type;
+  }
+  EXPECT_NEAR(of_axis(lengths(1, 1.0), 12, "NONE", "Acceleration g").factor, 9.80665, 1e-5)
+      << "what is said of a channel counts more than what is said of the file";
+  EXPECT_NEAR(of_axis("", 12, "mm/s^2", "Acceleration g").factor, 0.001, 1e-5)
+      << "the field for the unit counts more than that for the axis";
+}
+
+TEST_F(ImportUnits, LengthsHoldForTheFunctionsThatFollowThem) {
+  // By the definition of data set 164: a number divided by its length factor is in metres.
+  const std::string mm = lengths(5, 1000.0), m = lengths(1, 1.0);
+  const std::string first = function("first_up", 12, "NONE"), second = function("second_up", 12, "NONE");
+  const Result both = import_file(mm + first + m + second);
+  EXPECT_NEAR(both.factor, 0.001, 1e-5);
+  EXPECT_EQ(both.said, "0.001 m/s^2 each");
+  EXPECT_EQ(both.second_said, "1 m/s^2 each");
+  const Result turned = import_file(m + first + mm + second);
+  EXPECT_NEAR(turned.factor, 1.0, 1e-5);
+  EXPECT_EQ(turned.second_said, "0.001 m/s^2 each");
+}
+
+TEST_F(ImportUnits, LengthsThatStandOnlyBehindAFunctionAreRefused) {
+  const std::string text =
+      function("first_up", 12, "NONE") + lengths(5, 1000.0) + function("second_up", 12, "NONE");
+  const std::string refused = import_file(text).refused;
+  EXPECT_NE(refused.find("channel first_up: its unit is \"of data set 164, which stands behind it\""),
+            std::string::npos)
+      << refused;
+  EXPECT_NE(refused.find("--units first_up=g"), std::string::npos) << refused;
+  EXPECT_NEAR(import_file(text, {.units = {"first_up=mm/s^2"}}).factor, 0.001, 1e-5);
 }
 
 TEST_F(ImportUnits, VoltsNeedASensitivity) {

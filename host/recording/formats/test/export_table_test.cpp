@@ -119,6 +119,33 @@ TEST(ExportTable, NamedChannelsStandAsTheyAreNamedAndKeepTheirNumbers) {
   }
 }
 
+TEST(ExportTable, ANameThatTwoNodesHaveIsTheSameWhoeverWasRecorded) {
+  VehicleConfig vehicle = car();
+  const NodeConfig &front = vehicle.node[0], &rear = vehicle.node[1];
+  const std::string other = front.channel[1].name;
+  for (NodeConfig& node : vehicle.node) node.channel[0].name = "up";
+  const auto first_name = [&](const std::vector<std::int32_t>& nodes, const std::string& node) {
+    const ExportTable table = make_table(survey_of(vehicle, nodes));
+    return std::ranges::find(table.group.at(0).channel, node, &ExportChannel::node)->name;
+  };
+  EXPECT_EQ(first_name({front.id, rear.id}, front.name), front.name + "_up");
+  EXPECT_EQ(first_name({front.id}, front.name), front.name + "_up");
+  EXPECT_EQ(first_name({front.id, rear.id}, rear.name), rear.name + "_up");
+  EXPECT_EQ(first_name({rear.id}, rear.name), rear.name + "_up");
+  // The description of both and of one has the same signal for the same identifier.
+  const std::string both = candump_dbc(make_table(survey_of(vehicle, {front.id, rear.id})));
+  const std::string one = candump_dbc(make_table(survey_of(vehicle, {rear.id})));
+  const std::string signal = "SG_ " + rear.name + "_up :";
+  const auto message_of = [&](const std::string& dbc) {
+    const auto at = dbc.find(signal), begin = dbc.rfind("BO_ ", at);
+    return dbc.substr(begin, dbc.find("\n\n", at) - begin);
+  };
+  ASSERT_NE(both.find(signal), std::string::npos);
+  ASSERT_NE(one.find(signal), std::string::npos);
+  EXPECT_EQ(message_of(one), message_of(both));
+  EXPECT_NE(both.find("SG_ " + other + " :"), std::string::npos) << "others keep their names";
+}
+
 TEST(ExportTable, AnotherScaleIsAnotherMeaning) {
   const VehicleConfig vehicle = car();
   const std::vector<std::int32_t> nodes{vehicle.node[0].id, vehicle.node[1].id};

@@ -24,7 +24,7 @@ constexpr int kRows = 25000;  ///< more than a pipe holds
 class Counting final : public SampleSource {
  public:
   explicit Counting(std::function<void(int row)> at_row, const char* first = "front")
-      : at_row_(std::move(at_row)), channel_{{first, "g", "left"}, {"", "", ""}} {}
+      : at_row_(std::move(at_row)), channel_{{first, "g", "left"}, {"", "", "", "m"}} {}
   const std::vector<FileChannel>& channels() const override { return channel_; }
   double part() const override { return static_cast<double>(row_) / kRows; }
   void rewind() override { row_ = 0; }
@@ -82,7 +82,7 @@ class SeparateReader : public ::testing::Test {
 
 TEST_F(SeparateReader, GivesTheSamplesAsOftenAsOneLikes) {
   const auto source = read_separately("drive.h5", spoiled([](int) {}));
-  EXPECT_EQ(source->channels(), (std::vector<FileChannel>{{"front", "g", "left"}, {"", "", ""}}));
+  EXPECT_EQ(source->channels(), (std::vector<FileChannel>{{"front", "g", "left"}, {"", "", "", "m"}}));
   EXPECT_EQ(source->part(), 0.0);
   const Rows first = times_of(*source);
   ASSERT_EQ(first.size(), static_cast<std::size_t>(kRows));

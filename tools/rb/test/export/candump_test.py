@@ -127,6 +127,27 @@ class Candump(Exports):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn("channel front_up comes from node rear", done.stderr)
 
+    def test_refuses_a_log_without_its_start_which_alone_tells_cars_apart(self):
+        file, dbc = self.log("whole", self.made, code=[0, 3])
+        meaning = re.search(r"\[(\d+)\|\1\]", dbc.read_text())[1]
+        other = dbc.read_text().replace(f"[{meaning}|{meaning}]", f"[{int(meaning) ^ 1}|{int(meaning) ^ 1}]")
+        # Two channels of one node change places: names and nodes are still the vehicle's.
+        other = other.replace("front_up", "front_there").replace("front_side", "front_up").replace("front_there", "front_side")
+        theirs = self.root / "theirs-whole.dbc"
+        theirs.write_text(other)
+        start, text = file.read_text().split("\n", 1)
+        lines = text.split("\n")
+        headless, late = self.root / "headless.log", self.root / "late.log"
+        headless.write_text(text)
+        late.write_text("\n".join([*lines[:8], start, *lines[8:]]))
+        for log in (headless, late):
+            for description in (theirs, dbc):
+                back, done = self.import_as("headless", log, description)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn(f"{log.name}:1: no frame recording_start stands before it", done.stderr)
+                self.assertIn("allowed: the log of rb export from its first line on", done.stderr)
+                self.assertFalse(back.exists())
+
     def test_identifiers_and_columns_do_not_depend_on_what_is_exported(self):
         file, dbc = self.log("some", self.made, "--channels", "rear_side,front_up", "--to", 1)
         ids = {line.split()[2][:3] for line in file.read_text().splitlines()} - {"0FE", "0FF"}
@@ -171,15 +192,15 @@ class Candump(Exports):
 
     def test_says_what_is_wrong(self):
         file, dbc = self.log("good", self.made, "--to", 1, code=[0, 3])
-        text, description = file.read_text().split("\n", 1)[1], dbc.read_text()  # without the recording's start
-        lines = text.split("\n")
+        (start, text), description = file.read_text().split("\n", 1), dbc.read_text()
+        start, lines = start + "\n", text.split("\n")
         for k, (log, words) in enumerate((
-                ("", "no frame"), ("neither this nor that\n", ":1: \"neither this nor that\" is no frame"),
-                (text[:-3], f":{len(lines) - 1}: 3 bytes; message"), ("\n".join([*lines[4:8], *lines[:4]]), ":5: its time goes back"),
-                ("\n".join([lines[0], *lines]), ":2: front_up stands twice"), (text.replace("can0 103", "can1 103"), ":4: frames of can1 and can0"),
-                ("\n".join([*lines[:4], *(line.replace(line[1:line.index(".")], "4294967295") for line in lines[4:8])]), ":5: its time is too far off"))):
+                ("", "no frame"), ("neither this nor that\n", ":2: \"neither this nor that\" is no frame"),
+                (text[:-3], f":{len(lines)}: 3 bytes; message"), ("\n".join([*lines[4:8], *lines[:4]]), ":6: its time goes back"),
+                ("\n".join([lines[0], *lines]), ":3: front_up stands twice"), (text.replace("can0 103", "can1 103"), ":5: frames of can1 and can0"),
+                ("\n".join([*lines[:4], *(line.replace(line[1:line.index(".")], "4294967295") for line in lines[4:8])]), ":6: its time is too far off"))):
             bad = self.root / f"bad{k}.log"
-            bad.write_text(log)
+            bad.write_text(start + log)
             folder, done = self.import_as(f"bad{k}", bad, dbc)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(f"bad{k}.log", done.stderr)
