@@ -1,5 +1,6 @@
 #include "sim/waviness.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -10,6 +11,13 @@ namespace {
 constexpr double kReference_1_m = 0.1;  ///< n0 of ISO 8608
 constexpr double kLowest_1_m = 0.003, kHighest_1_m = 30.0;
 
+/// log |F| of sharp bends, but for a constant.
+double log_wanted(const Waviness& waviness, double wave_number_1_m) {
+  const double bend_1_m = waviness.bend_1_m > 0.0 ? waviness.bend_1_m : kHighest_1_m;
+  return (1.0 - 0.5 * waviness.below) * std::log(std::min(wave_number_1_m, bend_1_m)) +
+         (1.0 - 0.5 * waviness.above) * std::log(std::max(wave_number_1_m, bend_1_m) / bend_1_m);
+}
+
 }  // namespace
 
 void WavinessFilter::set(const Waviness& waviness, double gain) {
@@ -19,9 +27,13 @@ void WavinessFilter::set(const Waviness& waviness, double gain) {
   const double decades = std::log(kHighest_1_m / kLowest_1_m);
   for (int k = 0; k < kSections; ++k) {
     const double centre_1_m = kLowest_1_m * std::exp(decades * (k + 0.5) / kSections);
-    const bool is_above = waviness.bend_1_m > 0.0 && centre_1_m > waviness.bend_1_m;
-    // |F| ~ n^a over the section's part of the band.
-    const double a = 1.0 - 0.5 * (is_above ? waviness.above : waviness.below);
+    // |F| ~ n^a over the section's part of the band; the bend's section has both exponents, each by its
+    // share.
+    const double width = decades / kSections;
+    const double bend =
+        waviness.bend_1_m > 0.0 ? std::log(waviness.bend_1_m / centre_1_m) / width + 0.5 : 1.0;
+    const double below = std::clamp(bend, 0.0, 1.0);
+    const double a = 1.0 - 0.5 * (below * waviness.below + (1.0 - below) * waviness.above);
     const double apart = std::exp(0.5 * a * decades / kSections);
     // (1 + s / zero) / (1 + s / pole), s = 2 / h (z - 1) / (z + 1)
     const double half_m = 2.0 / grid_m_;
@@ -32,8 +44,13 @@ void WavinessFilter::set(const Waviness& waviness, double gain) {
     section.before = (1.0 - zero) / (1.0 + pole);
     section.keep = -(1.0 - pole) / (1.0 + pole);
   }
+  // The bend is round: the level is that of a place away from it.
+  const bool is_near =
+      waviness.bend_1_m > 0.0 && std::abs(std::log(kReference_1_m / waviness.bend_1_m)) < 1.1;
+  const double level_1_m = is_near ? 10.0 * waviness.bend_1_m : kReference_1_m;
+  const double wanted = std::exp(log_wanted(waviness, level_1_m) - log_wanted(waviness, kReference_1_m));
   gain_ = 1.0;
-  gain_ = gain / magnitude(kReference_1_m);
+  gain_ = gain * wanted / magnitude(level_1_m);
 }
 
 Eigen::Vector2d WavinessFilter::filter(Eigen::Vector2d noise) {

@@ -17,7 +17,8 @@ struct Waviness {
 
 /// A filter in the distance domain that bends the spectrum of a road of waviness 2 to another one: a ladder
 /// of first-order sections, as many to the decade as |F|^2 ~ n^(2 - waviness) needs to hold within 5 % from
-/// 0.01 to 10 1/m.  |F| = 1 at n0 = 0.1 1/m.
+/// 0.01 to 10 1/m, but for a bend, which is round within an octave.  |F| = 1 at n0 = 0.1 1/m, were bends
+/// sharp.
 ///
 /// Source: A. Oustaloup et al., Frequency-band complex noninteger differentiator, IEEE Trans. Circuits and
 /// Systems I 47 (2000) 25-39; sections discretised by the bilinear transform.
