@@ -36,8 +36,7 @@ RoadFilter::RoadFilter(double roughness_m3) {
 RoadProfile::RoadProfile(const RoadScenario& scenario, std::uint64_t seed, std::size_t wheel, double start_m)
     : scenario_(scenario),
       filter_(scenario.roughness_m3),
-      waviness_(scenario.waviness),
-      stretch_(seed, Use::kRoadStretch, wheel % 2),
+      stretch_(seed, Use::kRoadStretch, 0),
       cells_a_stretch_(std::llround(scenario.stretch_m / RoadFilter::kGrid_m)),
       joints_(scenario.joint, kJoint_m, 1.0, {seed, Use::kObstacle, 2}),
       potholes_(scenario.pothole, kPothole_m, -1.0, {seed, Use::kObstacle, wheel % 2}),
@@ -51,8 +50,8 @@ RoadProfile::RoadProfile(const RoadScenario& scenario, std::uint64_t seed, std::
   const double one_side = std::sqrt(1.0 - both_sides * both_sides);
   const bool right = wheel % 2 == 1;
   const auto add = [&](std::uint64_t first, double weight) {
-    ingredient_.push_back({{seed, Use::kRoad, first}, right ? both_sides * weight : weight});
-    if (right) ingredient_.push_back({{seed, Use::kRoad, first + 1}, one_side * weight});
+    ingredient_.push_back({{seed, Use::kRoad, first}, right ? both_sides * weight : weight, false});
+    if (right) ingredient_.push_back({{seed, Use::kRoad, first + 1}, one_side * weight, true});
   };
   if (scenario.roughness_m3 == 0.0) return;  // no ingredient: flat but for its obstacles
   if (wheel < 2) {
@@ -61,29 +60,30 @@ RoadProfile::RoadProfile(const RoadScenario& scenario, std::uint64_t seed, std::
     add(0, coherence);
     add(2, alone);
   }
-  if (right) {
-    waviness_.below += scenario.right_waviness;
-    waviness_.above += scenario.right_waviness;
-  }
   begin_stretch(stretch_number(cell_, cells_a_stretch_));
 }
 
 void RoadProfile::begin_stretch(std::int64_t number) {
   const double bent = scenario_.stretch_waviness * (2.0 * stretch_.uniform(2 * number) - 1.0);
-  Waviness waviness = waviness_;
+  const double height = std::pow(scenario_.stretch_height, 2.0 * stretch_.uniform(2 * number + 1) - 1.0);
+  Waviness waviness = scenario_.waviness;
   waviness.below += bent;
   waviness.above += bent;
-  bend_.set(waviness, std::pow(scenario_.stretch_height, 2.0 * stretch_.uniform(2 * number + 1) - 1.0));
+  lefts_.set(waviness, height);
+  waviness.below += scenario_.right_waviness;
+  waviness.above += scenario_.right_waviness;
+  rights_.set(waviness, height);
 }
 
 void RoadProfile::advance() {
   ++cell_;
   from_ = to_;
   if (cell_ % cells_a_stretch_ == 0) begin_stretch(stretch_number(cell_, cells_a_stretch_));
-  Eigen::Vector2d white = Eigen::Vector2d::Zero();
+  Eigen::Vector2d lefts = Eigen::Vector2d::Zero(), rights = lefts;
   for (const Ingredient& i : ingredient_)
-    white += i.weight * Eigen::Vector2d(i.random.normal(2 * cell_), i.random.normal(2 * cell_ + 1));
-  to_ = filter_.transition * from_ + filter_.noise * bend_.filter(white);
+    (i.is_rights ? rights : lefts) +=
+        i.weight * Eigen::Vector2d(i.random.normal(2 * cell_), i.random.normal(2 * cell_ + 1));
+  to_ = filter_.transition * from_ + filter_.noise * (lefts_.filter(lefts) + rights_.filter(rights));
 }
 
 RoadPoint RoadProfile::at(double place_m) {

@@ -36,8 +36,10 @@ struct RoadFilter {
 /// The noise of a road cell is a pure function of seed, side and cell, so the rear wheel meets what the front
 /// wheel met at the same place without anybody remembering it:
 /// right = r left + sqrt(1 - r^2) own, rear = c front + sqrt(1 - c^2) own (with the same left/right r),
-/// r = left_right_correlation, c^2 = rear_coherence2.  A filter of the side and stretch bends its spectrum
-/// (waviness.hpp).  Between grid points the height is a cubic Hermite curve.  Joints and potholes are added.
+/// r = left_right_correlation, c^2 = rear_coherence2.  A filter of the stretch bends the spectrum of what is
+/// left's, on the right, too, so that no side leads; of what is the right's own, another one, of the right's
+/// exponents (waviness.hpp).  Between grid points the height is a cubic Hermite curve.  Joints and potholes
+/// are added.
 class RoadProfile {
  public:
   /// @param wheel    0 .. 3
@@ -51,15 +53,15 @@ class RoadProfile {
   struct Ingredient {
     RandomSequence random;
     double weight;
+    bool is_rights;  ///< own
   };
   void advance();
   void begin_stretch(std::int64_t number);
 
   RoadScenario scenario_;
   RoadFilter filter_;
-  WavinessFilter bend_{RoadFilter::kGrid_m};
-  Waviness waviness_;       ///< of the side, without that of the stretch
-  RandomSequence stretch_;  ///< of the side
+  WavinessFilter lefts_{RoadFilter::kGrid_m}, rights_{RoadFilter::kGrid_m};
+  RandomSequence stretch_;
   std::int64_t cells_a_stretch_;
   std::vector<Ingredient> ingredient_;
   Obstacles joints_, potholes_;

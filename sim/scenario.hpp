@@ -38,7 +38,7 @@ struct RoadScenario {
   double left_right_correlation;
   double rear_coherence2;       ///< squared coherence of the road under a rear wheel with its front wheel's
   Waviness waviness{};          ///< of the left side
-  double right_waviness = 0.0;  ///< by how much the exponents of the right side are greater
+  double right_waviness = 0.0;  ///< by how much the exponents of the right side's own part are greater
   double stretch_m = 300.0;
   double stretch_waviness = 0.0;  ///< stretches differ by up to +- so much in the exponents
   double stretch_height = 1.0;    ///< and by up to this factor, and one by it, in height
