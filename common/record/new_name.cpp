@@ -44,8 +44,9 @@ std::string fault_of_folder_name(const std::string& name) {
 
 std::string differs_by_capitals(const std::filesystem::path& path, Disk& disk) {
   const std::string name = name_of_folder(path);
-  for (const std::string& other :
-       list_folder(folder_of(path.has_filename() ? path : path.parent_path()), disk))
+  const std::filesystem::path folder = folder_of(path.has_filename() ? path : path.parent_path());
+  if (!is_folder(folder, disk)) return "";
+  for (const std::string& other : list_folder(folder, disk))
     if (other != name && in_small_letters(other) == in_small_letters(name)) return other;
   return "";
 }

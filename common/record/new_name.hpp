@@ -13,7 +13,8 @@ namespace roadbalance {
 std::string fault_of_folder_name(const std::string& name);
 
 /// What lies beside this path and differs from its name by capitals only, which other systems would take for
-/// the same; empty: nothing does.  ASCII's letters count: file systems differ about all others.
+/// the same; empty: nothing does, or the folder it lies in is not made yet.  ASCII's letters count: file
+/// systems differ about all others.
 /// @throws std::system_error if the folder it lies in cannot be read
 std::string differs_by_capitals(const std::filesystem::path& path, Disk& disk = kernel_disk());
 

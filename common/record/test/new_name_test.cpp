@@ -40,6 +40,7 @@ TEST(NewName, CapitalsAloneMakeNoOther) {
   }
   for (const char* free : {"Drive 1", "drive 2", "drive 1.part"})
     EXPECT_NO_THROW(expect_new_name(all.path() / free));
+  EXPECT_EQ(differs_by_capitals(all.path() / "not made yet" / "drive 1"), "");
 }
 
 }  // namespace

@@ -325,8 +325,7 @@ namespace {
 /// One that cannot be read keeps nobody from recording into the first folder.
 std::string beside_fallback(const std::filesystem::path& fallback, Disk& disk) {
   try {
-    return fallback.empty() || !is_folder(folder_of(fallback), disk) ? ""
-                                                                     : differs_by_capitals(fallback, disk);
+    return fallback.empty() ? "" : differs_by_capitals(fallback, disk);
   } catch (const std::system_error&) {
     return "";
   }
