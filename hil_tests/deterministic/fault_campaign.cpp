@@ -196,7 +196,7 @@ void add(const RunResult& run, RunResult& all) {
   all.longest_pull_cleared_s = std::max(all.longest_pull_cleared_s, run.longest_pull_cleared_s);
 }
 
-/// A cable is out just while a start is announced in one run of two.
+/// A cable is out just while a start is announced in one run of five.
 constexpr int kEnoughForLateStarts = 20;
 
 }  // namespace
