@@ -15,7 +15,7 @@ constexpr std::uint64_t kPatience_us = 1'000'000;
 
 /// @return the lock, or -1 and why there is none
 int ask(sd_bus* bus, const char* what, std::string& refusal) {
-  sd_bus_error error = SD_BUS_ERROR_NULL;
+  sd_bus_error error{};  // SD_BUS_ERROR_NULL is a literal of C
   sd_bus_message* answered = nullptr;
   int result = sd_bus_call_method(bus, "org.freedesktop.login1", "/org/freedesktop/login1",
                                   "org.freedesktop.login1.Manager", "Inhibit", &error, &answered, "ssss",
