@@ -8,8 +8,7 @@
 namespace roadbalance::sim {
 namespace {
 
-constexpr double kReferenceWaveNumber_1_m = 0.1;  ///< n0 of ISO 8608
-constexpr double kRunIn_m = 200.0;                ///< 12 times the memory of the lower corner
+constexpr double kRunIn_m = 200.0;  ///< 12 times the memory of the lower corner
 constexpr double kJoint_m = 0.3, kPothole_m = 0.6;
 std::int64_t stretch_number(std::int64_t cell, std::int64_t cells_a_stretch) {
   return cell / cells_a_stretch - (cell < 0 && cell % cells_a_stretch != 0 ? 1 : 0);

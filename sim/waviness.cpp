@@ -8,7 +8,6 @@
 namespace roadbalance::sim {
 namespace {
 
-constexpr double kReference_1_m = 0.1;  ///< n0 of ISO 8608
 constexpr double kLowest_1_m = 0.003, kHighest_1_m = 30.0;
 
 /// log |F| of sharp bends, but for a constant.
@@ -46,9 +45,10 @@ void WavinessFilter::set(const Waviness& waviness, double gain) {
   }
   // The bend is round: the level is that of a place away from it.
   const bool is_near =
-      waviness.bend_1_m > 0.0 && std::abs(std::log(kReference_1_m / waviness.bend_1_m)) < 1.1;
-  const double level_1_m = is_near ? 10.0 * waviness.bend_1_m : kReference_1_m;
-  const double wanted = std::exp(log_wanted(waviness, level_1_m) - log_wanted(waviness, kReference_1_m));
+      waviness.bend_1_m > 0.0 && std::abs(std::log(kReferenceWaveNumber_1_m / waviness.bend_1_m)) < 1.1;
+  const double level_1_m = is_near ? 10.0 * waviness.bend_1_m : kReferenceWaveNumber_1_m;
+  const double wanted =
+      std::exp(log_wanted(waviness, level_1_m) - log_wanted(waviness, kReferenceWaveNumber_1_m));
   gain_ = 1.0;
   gain_ = gain * wanted / magnitude(level_1_m);
 }

@@ -6,6 +6,8 @@
 
 namespace roadbalance::sim {
 
+inline constexpr double kReferenceWaveNumber_1_m = 0.1;  ///< n0 of ISO 8608
+
 /// The exponent of a road's spectrum: Gd(n) ~ n^-below up to the bend, n^-above beyond it.
 struct Waviness {
   double below = 2.0;

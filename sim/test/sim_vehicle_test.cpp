@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <numbers>
 
 #include "common/config/section.hpp"
@@ -114,6 +116,25 @@ TEST(Car, FeelsTheRadialForceVariationIndependentlyOfSpeed) {
       const double angle = car.motion().position_m / 0.30 + car.drawn().initial_angle_rad[2];
       EXPECT_NEAR(car.sources()(5), (expected * std::polar(1.0, angle)).real(), 1e-5 * std::abs(expected));
     }
+  }
+}
+
+// 0.6 m at 110 km/h take 20 ms, a quarter of the wheel's period on its tyre: the carrier gives way a little,
+// and its acceleration stays below c_t h / m, 31 and 253 m/s^2, but not by half.
+TEST(Car, IsShakenByPotholesAsIfItsWheelsHardlyGaveWay) {
+  for (const double depth_m : {0.005, 0.040}) {
+    Scenario scenario = test::ideal_scenario(110.0 / 3.6);
+    scenario.road.pothole = {.per_km = 5.0, .height_m = {depth_m, depth_m}};
+    Car car(scenario, 3, test::reference_vehicle(), 2.5e-4);
+    double peak_m_s2 = 0.0;
+    while (car.time_s() < 30.0) {
+      car.step();
+      peak_m_s2 = std::max(peak_m_s2, std::abs(car.sources()(kBodyCoordinates)));
+    }
+    const double most_m_s2 = 215e3 / 34.0 * depth_m;
+    EXPECT_LT(peak_m_s2, most_m_s2);
+    EXPECT_GT(peak_m_s2, 0.5 * most_m_s2);
+    std::printf("%.0f mm: %.0f m/s^2\n", 1e3 * depth_m, peak_m_s2);
   }
 }
 

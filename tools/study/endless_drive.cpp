@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/analysis/identify/hann_segments.hpp"
 #include "host/analysis/identify/unbalances.hpp"
 #include "host/analysis/identify/whittle.hpp"
 #include "tools/study/estimator_trial.hpp"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -94,30 +95,71 @@ struct CarPosterior::Equations {
 };
 
 /// The equations at one frequency.
-struct CarPosterior::Bins {
+struct CarPosterior::Bin {
   MatrixXcd integral;         ///< [3 channels x channels]
   MatrixXcd residual;         ///< R
   MatrixXcd force;            ///< [4 x channels]
   Eigen::Vector4cd softness;  ///< 1 / c
-  MatrixXcd road_inverse;     ///< [U; R]^-1
-  MatrixXcd weight;           ///< (R R^H)^-1
-  double log_determinant;     ///< log det R R^H - 2 log |det [U; R]|
+  /// Forces and heights of the four wheels, of the front ones, of the rear ones to the road: [diag(1 / c),
+  /// 1].
+  Eigen::Matrix<Complex, kWheels, kRows> to_road;
+  Eigen::Matrix<Complex, 2, kWheels> to_front, to_rear;
+  MatrixXcd from_road;      ///< [channels x 4] accelerations per road where nothing is left over
+  MatrixXcd from_residual;  ///< [channels x residuals] and per residual: both together [U; R]^-1
+  MatrixXcd weight;         ///< (R R^H)^-1
+  double log_determinant;   ///< log det R R^H - 2 log |det [U; R]|
 
-  Bins(const Equations& of, Index residuals, Index channels, double omega)
+  Bin(const Equations& of, Index residuals, Index channels, double omega)
       : integral(integrals(channels, omega)) {
     residual = rows_of(of.rows.topRows(residuals), integral);
     force = rows_of(of.rows.middleRows(residuals, kWheels), integral);
     for (Index i = 0; i < kWheels; ++i) softness(i) = 1.0 / of.tyre_at(i, omega);
+    to_road << Eigen::Matrix4cd(softness.asDiagonal()), Eigen::Matrix4cd::Identity();
+    to_front << Eigen::Matrix2cd(softness.head<2>().asDiagonal()), Eigen::Matrix2cd::Identity();
+    to_rear << Eigen::Matrix2cd(softness.tail<2>().asDiagonal()), Eigen::Matrix2cd::Identity();
     MatrixXcd all(channels, channels);
     all.topRows(kWheels) = softness.asDiagonal() * force + rows_of(of.rows.bottomRows(kWheels), integral);
     all.bottomRows(residuals) = residual;
     const Eigen::PartialPivLU<MatrixXcd> lu(all);
-    road_inverse = lu.inverse();
+    const MatrixXcd inverse = lu.inverse();
+    from_road = inverse.leftCols(kWheels);
+    from_residual = inverse.rightCols(residuals);
     const Eigen::LLT<MatrixXcd> llt(residual * residual.adjoint());
     weight = llt.solve(MatrixXcd::Identity(residuals, residuals));
     log_determinant = 2.0 * MatrixXcd(llt.matrixL()).diagonal().real().array().log().sum() -
                       2.0 * lu.matrixLU().diagonal().array().abs().log().sum();
   }
+};
+
+/// All that a place in the space of unknowns makes of the equations.
+struct CarPosterior::System {
+  Equations equations;
+  MatrixXd residual_rows, road_rows;
+  MatrixXd front_rows, rear_rows;  ///< forces and heights of the front wheels, and of the rear ones
+  std::vector<Bin> bin;
+};
+
+/// Bins in which the body's residuals are of one level.
+struct CarPosterior::Band {
+  std::vector<Index> bins;
+  double power = 0.0, count = 0.0;
+  double level = 0.0;  ///< (m/s^2)^2 / Hz
+};
+
+/// The road at one speed.
+struct CarPosterior::Roads {
+  std::vector<Index> bins;             ///< that count
+  std::vector<Eigen::Matrix4cd> road;  ///< [of bins] sum of u u^H, the rear wheels advanced
+  std::vector<Eigen::Vector4d> scale;  ///< [of bins] phi^-1/2
+  double log_shape = 0.0;              ///< sum of n log phi over bins and wheels
+  Eigen::Matrix4d level = Eigen::Matrix4d::Zero();
+  double count = 0.0;
+};
+
+/// Derivatives of J by the equations.
+struct CarPosterior::Slopes {
+  MatrixXd by_residual, by_road;  ///< dJ = 2 tr(d rows * these)
+  MatrixXcd by_softness;          ///< [bin x wheel] dJ = Re sum these d(1 / c)
 };
 
 CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMoments*> speeds)
@@ -139,6 +181,13 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMome
   const Eigen::JacobiSVD<MatrixXd> svd(prior.sensors, Eigen::ComputeFullU | Eigen::ComputeFullV);
   coordinates_ = svd.solve(MatrixXd::Identity(channels_, channels_));
   rigid_ = svd.matrixU().rightCols(channels_ - kCoordinates).transpose();
+  count_.setZero(bins_);
+  same_.assign(static_cast<std::size_t>(bins_), MatrixXcd::Zero(3 * channels_, 3 * channels_));
+  for (const SpectralMoments* speed : speeds_) {
+    count_ += speed->count;
+    for (Index k = 0; k < bins_ && is_of_body(k); ++k)
+      same_[static_cast<std::size_t>(k)] += speed->same[static_cast<std::size_t>(k)];
+  }
   scale_ << prior.value(kBodyMass), prior.value(kRollInertia), prior.value(kPitchInertia);
 }
 
@@ -214,6 +263,24 @@ MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Inde
   return rows;
 }
 
+CarPosterior::System CarPosterior::system(const VectorXd& v) const {
+  System of{.equations = equations(v),
+            .residual_rows = {},
+            .road_rows = {},
+            .front_rows = {},
+            .rear_rows = {},
+            .bin = {}};
+  of.residual_rows = of.equations.rows.topRows(residuals_);
+  of.road_rows = of.equations.rows.bottomRows(kRows);
+  of.front_rows.resize(kWheels, 3 * channels_);
+  of.front_rows << of.road_rows.topRows(2), of.road_rows.middleRows(kWheels, 2);
+  of.rear_rows.resize(kWheels, 3 * channels_);
+  of.rear_rows << of.road_rows.middleRows(2, 2), of.road_rows.bottomRows(2);
+  of.bin.reserve(static_cast<std::size_t>(bins_));
+  for (Index k = 0; k < bins_; ++k) of.bin.emplace_back(of.equations, residuals_, channels_, omega(k));
+  return of;
+}
+
 /// By each unknown of a side's shape [bin].
 std::vector<Eigen::ArrayXd> CarPosterior::log_shape_by(const SpectralMoments& speed) const {
   std::vector<Eigen::ArrayXd> by(kShape, Eigen::ArrayXd::Zero(bins_));
@@ -269,317 +336,264 @@ double CarPosterior::value(const VectorXd& v, VectorXd& gradient) const {
   return evaluate(v, &gradient);
 }
 
-double CarPosterior::evaluate(const VectorXd& v, VectorXd* gradient) const {
-  const Equations of = equations(v);
-  if (!of.rows.allFinite() || (of.tyre.array() <= 0.0).any()) return std::numeric_limits<double>::infinity();
-  const MatrixXd residual_rows = of.rows.topRows(residuals_);
-  const MatrixXd road_rows = of.rows.bottomRows(kRows);
-  // Rows of the front wheels' forces and heights, and of the rear ones'.
-  MatrixXd front_rows(kWheels, 3 * channels_), rear_rows(kWheels, 3 * channels_);
-  front_rows << road_rows.topRows(2), road_rows.middleRows(kWheels, 2);
-  rear_rows << road_rows.middleRows(2, 2), road_rows.bottomRows(2);
+std::vector<CarPosterior::Band> CarPosterior::bands(const System& of) const {
+  std::vector<Band> all(static_cast<std::size_t>(std::lround(kBodyTo_hz / kBand_hz)));
+  for (Index k = 0; k < bins_ && is_of_body(k); ++k) {
+    const double bands = omega(k) / (2.0 * std::numbers::pi * kBand_hz);  // a bin on a border belongs below
+    Band& band = all.at(static_cast<std::size_t>(std::max(0.0, std::ceil(bands - 1e-9) - 1.0)));
+    const auto b = static_cast<std::size_t>(k);
+    band.bins.push_back(k);
+    band.count += static_cast<double>(residuals_) * count_(k);
+    band.power += (of.bin[b].weight * sandwich(of.residual_rows, same_[b], of.residual_rows)).trace().real();
+  }
+  std::erase_if(all, [](const Band& band) { return band.count <= 0.0; });
+  for (Band& band : all) band.level = std::max(band.power / band.count, prior_.noise_m2_s4_hz);
+  return all;
+}
 
-  std::vector<Bins> bin;
-  bin.reserve(static_cast<std::size_t>(bins_));
-  for (Index k = 0; k < bins_; ++k) bin.emplace_back(of, residuals_, channels_, omega(k));
-
-  // By the rows of the equations, as half of the gradient: dJ = 2 tr(d rows * by_rows).
-  MatrixXd by_residual = MatrixXd::Zero(3 * channels_, residuals_),
-           by_road = MatrixXd::Zero(3 * channels_, kRows);
-  MatrixXcd by_softness = MatrixXcd::Zero(bins_, kWheels);  // dJ = Re sum by_softness d(1 / c)
-  if (gradient) gradient->setZero(size_);
-
-  double value = 0.0;
-  // The body: its residuals of all speeds.
-  Eigen::ArrayXd power = Eigen::ArrayXd::Zero(bins_), count = power;
-  std::vector<MatrixXcd> same(static_cast<std::size_t>(bins_), MatrixXcd::Zero(3 * channels_, 3 * channels_));
+CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v,
+                                        const SpectralMoments& speed) const {
+  const MatrixXd shape = log_shape(v, speed);
+  Roads roads;
   for (Index k = 0; k < bins_; ++k) {
-    for (const SpectralMoments* speed : speeds_) {
-      count(k) += speed->count(k);
-      if (is_of_body(k)) same[static_cast<std::size_t>(k)] += speed->same[static_cast<std::size_t>(k)];
-    }
-    if (!is_of_body(k)) continue;
-    const MatrixXcd all = sandwich(residual_rows, same[static_cast<std::size_t>(k)], residual_rows);
-    power(k) = (bin[static_cast<std::size_t>(k)].weight * all).trace().real();
+    if (!is_of_road(k) || speed.count(k) <= 0.0) continue;
+    const auto b = static_cast<std::size_t>(k);
+    const Bin& bin = of.bin[b];
+    Eigen::Matrix4cd u =
+        bin.to_road * sandwich(of.road_rows, speed.same[b], of.road_rows) * bin.to_road.adjoint();
+    u.topRightCorner<2, 2>() =
+        bin.to_front * sandwich(of.front_rows, speed.delayed[b], of.rear_rows) * bin.to_rear.adjoint();
+    u.bottomLeftCorner<2, 2>() = u.topRightCorner<2, 2>().adjoint().eval();
+    const double left = std::exp(-0.5 * shape(k, 0)), right = std::exp(-0.5 * shape(k, 1));
+    roads.bins.push_back(k);
+    roads.road.push_back(u);
+    roads.scale.emplace_back(left, right, left, right);
+    roads.level += roads.scale.back().asDiagonal() * u.real() * roads.scale.back().asDiagonal();
+    roads.log_shape += 2.0 * speed.count(k) * shape.row(k).sum();
+    roads.count += speed.count(k);
   }
-  for (double low_hz = 0.0; low_hz < kBodyTo_hz; low_hz += kBand_hz) {
-    double band_power = 0.0, band_count = 0.0;
-    std::vector<Index> in_band;
-    for (Index k = 0; k < bins_; ++k) {
-      const double frequency_hz = omega(k) / (2.0 * std::numbers::pi);
-      if (!is_of_body(k) || frequency_hz <= low_hz + 1e-9 || frequency_hz > low_hz + kBand_hz + 1e-9)
-        continue;
-      in_band.push_back(k);
-      band_power += power(k);
-      band_count += static_cast<double>(residuals_) * count(k);
-    }
-    if (band_count <= 0.0) continue;
-    const double level = std::max(band_power / band_count, prior_.noise_m2_s4_hz);
-    value += band_count * std::log(level) + band_power / level;
-    if (!gradient) continue;
-    for (const Index k : in_band) {
-      const Bins& b = bin[static_cast<std::size_t>(k)];
-      const MatrixXcd& x = same[static_cast<std::size_t>(k)];
-      const MatrixXcd all = sandwich(residual_rows, x, residual_rows);
-      by_residual +=
-          (onto(x, residual_rows) * b.weight - b.integral * b.residual.adjoint() * b.weight * all * b.weight)
-              .real() /
-          level;
-    }
-  }
+  if (roads.count > 0.0) roads.level /= roads.count;
+  return roads;
+}
 
-  // The road.
-  for (const SpectralMoments* speed : speeds_) {
-    const MatrixXd shape = log_shape(v, *speed);
-    std::vector<Eigen::Matrix4cd> road(static_cast<std::size_t>(bins_));
-    Eigen::Matrix4d level = Eigen::Matrix4d::Zero();
-    double all_count = 0.0;
-    const auto by_shape = [&](Index k) {
-      const double left = std::exp(-0.5 * shape(k, 0)), right = std::exp(-0.5 * shape(k, 1));
-      return Eigen::Vector4d(left, right, left, right);
-    };
-    // u = K rows x, K = [diag(1 / c), 1]
-    const auto to_road = [&](Index k) {
-      Eigen::Matrix<Complex, kWheels, kRows> map;
-      map << Eigen::Matrix4cd(bin[static_cast<std::size_t>(k)].softness.asDiagonal()),
-          Eigen::Matrix4cd::Identity();
-      return map;
-    };
-    const auto to_axle = [&](Index k, int first) {
-      Eigen::Matrix<Complex, 2, kWheels> map;
-      map << Eigen::Matrix2cd(bin[static_cast<std::size_t>(k)].softness.segment<2>(first).asDiagonal()),
-          Eigen::Matrix2cd::Identity();
-      return map;
-    };
-    for (Index k = 0; k < bins_; ++k) {
-      if (!is_of_road(k) || speed->count(k) <= 0.0) continue;
-      const auto b = static_cast<std::size_t>(k);
-      const auto map = to_road(k);
-      const MatrixXcd rows = sandwich(road_rows, speed->same[b], road_rows);
-      Eigen::Matrix4cd u = map * rows * map.adjoint();
-      const MatrixXcd between = sandwich(front_rows, speed->delayed[b], rear_rows);
-      u.topRightCorner<2, 2>() = to_axle(k, 0) * between * to_axle(k, 2).adjoint();
-      u.bottomLeftCorner<2, 2>() = u.topRightCorner<2, 2>().adjoint().eval();
-      road[b] = u;
-      const Eigen::Vector4d scale = by_shape(k);
-      level += scale.asDiagonal() * u.real() * scale.asDiagonal();
-      all_count += speed->count(k);
-      value += speed->count(k) * (2.0 * shape.row(k).sum() + bin[b].log_determinant);
-    }
-    if (all_count <= 0.0) continue;
-    level /= all_count;
-    const Eigen::LLT<Eigen::Matrix4d> llt(level);
-    if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-    value += 2.0 * all_count * Eigen::Matrix4d(llt.matrixL()).diagonal().array().log().sum();
-    if (!gradient) continue;
-
-    const Eigen::Matrix4d inverse = llt.solve(Eigen::Matrix4d::Identity());
-    MatrixXd by_log_shape = MatrixXd::Zero(bins_, kSides);
-    for (Index k = 0; k < bins_; ++k) {
-      if (!is_of_road(k) || speed->count(k) <= 0.0) continue;
-      const auto b = static_cast<std::size_t>(k);
-      const double n = speed->count(k);
-      const Eigen::Vector4d scale = by_shape(k);
-      const Eigen::Matrix4d weight = scale.asDiagonal() * inverse * scale.asDiagonal();
-      Eigen::Matrix4d on_axle = weight;
-      on_axle.topRightCorner<2, 2>().setZero();
-      on_axle.bottomLeftCorner<2, 2>().setZero();
-      const Eigen::Matrix2d across = weight.topRightCorner<2, 2>();
-      const auto map = to_road(k);
-      const auto map_front = to_axle(k, 0), map_rear = to_axle(k, 2);
-
-      const MatrixXcd half = onto(speed->same[b], road_rows);
-      const MatrixXcd on_map = map.adjoint() * on_axle;
-      by_road += (half * on_map * map).real();
-      const MatrixXcd rows_on = rows_of(road_rows, half) * on_map;  // [8 x 4]
-      const Eigen::Matrix4cd back = map_rear.adjoint() * across.transpose() * map_front;
-      const MatrixXcd by_front = onto(speed->delayed[b], rear_rows) * back;
-      const MatrixXcd by_rear = (back * rows_of(front_rows, speed->delayed[b])).transpose();
-      by_road.leftCols(2) += by_front.leftCols(2).real();
-      by_road.middleCols(kWheels, 2) += by_front.rightCols(2).real();
-      by_road.middleCols(2, 2) += by_rear.leftCols(2).real();
-      by_road.rightCols(2) += by_rear.rightCols(2).real();
-      const MatrixXcd between = sandwich(front_rows, speed->delayed[b], rear_rows);
-      const MatrixXcd front_on = between * map_rear.adjoint() * across.transpose();  // [4 x 2]
-      const MatrixXcd rear_on = across.transpose() * map_front * between;            // [2 x 4]
-      const Bins& of_bin = bin[b];
-      const MatrixXcd inverse_road = of_bin.road_inverse.leftCols(kWheels);
-      for (Index i = 0; i < kWheels; ++i) {
-        by_softness(k, i) += 2.0 * rows_on(i, i);
-        by_softness(k, i) += 2.0 * (i < 2 ? front_on(i, i) : std::conj(rear_on(i - 2, i - 2)));
-        by_softness(k, i) -= 2.0 * n * (of_bin.force.row(i) * inverse_road.col(i)).value();
-      }
-      // log det R R^H - 2 log |det [U; R]|
-      by_residual += n * (of_bin.integral * (of_bin.residual.adjoint() * of_bin.weight -
-                                             of_bin.road_inverse.rightCols(residuals_)))
-                             .real();
-      const MatrixXcd by_height = of_bin.integral * inverse_road;
-      by_road.leftCols(kWheels) -= n * (by_height * of_bin.softness.asDiagonal()).real();
-      by_road.rightCols(kWheels) -= n * by_height.real();
-      const Eigen::Matrix4d share = weight.cwiseProduct(road[b].real());
-      for (int side = 0; side < kSides; ++side)
-        by_log_shape(k, side) = 2.0 * n - share.row(side).sum() - share.row(side + 2).sum();
-    }
-    const std::vector<Eigen::ArrayXd> by = log_shape_by(*speed);
-    for (int side = 0; side < kSides; ++side)
-      for (int s = 0; s < kShape; ++s)
-        (*gradient)(known_ + side * kShape + s) +=
-            (by_log_shape.col(side).array() * by[static_cast<std::size_t>(s)]).sum();
-  }
-
+double CarPosterior::evaluate(const VectorXd& v, VectorXd* gradient) const {
+  const System of = system(v);
+  if (!of.equations.rows.allFinite() || (of.equations.tyre.array() <= 0.0).any())
+    return std::numeric_limits<double>::infinity();
+  std::optional<Slopes> slopes;
   if (gradient) {
-    MatrixXd by_rows(3 * channels_, residuals_ + kRows);
-    by_rows << by_residual, by_road;
-    for (Index a = 0; a < known_; ++a)
-      (*gradient)(a) += 2.0 * equations_by(v, of, a).transpose().cwiseProduct(by_rows).sum();
-    for (std::size_t a = 0; a < parameter_.size(); ++a) {
-      const int p = parameter_[a];
-      if (p < kTyre) continue;
-      const Index wheel = (p - kTyre) % kWheels;
-      const double step = is_tyre_damper(p) ? prior_.sigma(p) : prior_.sigma(p) * of.tyre(wheel);
-      for (Index k = 0; k < bins_; ++k) {
-        const Complex softness = bin[static_cast<std::size_t>(k)].softness(wheel);
-        const Complex by_stiffness = is_tyre_damper(p) ? kJ * omega(k) : Complex(1.0);
-        (*gradient)(static_cast<Index>(a)) +=
-            (by_softness(k, wheel) * -softness * softness * by_stiffness * step).real();
-      }
-    }
+    gradient->setZero(size_);
+    slopes = Slopes{MatrixXd::Zero(3 * channels_, residuals_), MatrixXd::Zero(3 * channels_, kRows),
+                    MatrixXcd::Zero(bins_, kWheels)};
   }
+  double value = body_value(of, slopes ? &*slopes : nullptr);
+  for (const SpectralMoments* speed : speeds_)
+    value += road_value(of, v, *speed, slopes ? &*slopes : nullptr, gradient);
+  if (gradient) add_slopes(of, v, *slopes, *gradient);
   return value + prior_value(v, gradient);
 }
 
-MatrixXd CarPosterior::information(const VectorXd& v) const {
-  const Equations of = equations(v);
-  MatrixXd information = MatrixXd::Zero(size_, size_);
-  std::vector<MatrixXd> rows_by;
-  for (Index a = 0; a < known_; ++a) rows_by.push_back(equations_by(v, of, a));
-
-  // How residuals and road change by each unknown, per unit of the road [unknown][bin].
-  std::vector<std::vector<MatrixXcd>> residual_by(static_cast<std::size_t>(known_)), road_by = residual_by;
-  std::vector<Bins> bin;
-  for (Index k = 0; k < bins_; ++k) {
-    const Bins& b = bin.emplace_back(of, residuals_, channels_, omega(k));
-    const MatrixXcd from_road = b.integral * b.road_inverse.leftCols(kWheels);
-    for (Index a = 0; a < known_; ++a) {
-      const MatrixXd& rows = rows_by[static_cast<std::size_t>(a)];
-      residual_by[static_cast<std::size_t>(a)].push_back(rows_of(rows.topRows(residuals_), from_road));
-      MatrixXcd road = b.softness.asDiagonal() * rows_of(rows.middleRows(residuals_, kWheels), from_road) +
-                       rows_of(rows.bottomRows(kWheels), from_road);
-      if (a < std::ssize(parameter_) && parameter_[static_cast<std::size_t>(a)] >= kTyre) {
-        const int p = parameter_[static_cast<std::size_t>(a)];
-        const Index wheel = (p - kTyre) % kWheels;
-        const Complex step =
-            is_tyre_damper(p) ? kJ * omega(k) * prior_.sigma(p) : Complex(prior_.sigma(p) * of.tyre(wheel));
-        road.row(wheel) -= b.softness(wheel) * b.softness(wheel) * step *
-                           (b.force.row(wheel) * b.road_inverse.leftCols(kWheels));
-      }
-      road_by[static_cast<std::size_t>(a)].push_back(road);
+double CarPosterior::body_value(const System& of, Slopes* slopes) const {
+  double value = 0.0;
+  for (const Band& band : bands(of)) {
+    value += band.count * std::log(band.level) + band.power / band.level;
+    if (!slopes) continue;
+    for (const Index k : band.bins) {
+      const Bin& bin = of.bin[static_cast<std::size_t>(k)];
+      const MatrixXcd& x = same_[static_cast<std::size_t>(k)];
+      const MatrixXcd all = sandwich(of.residual_rows, x, of.residual_rows);
+      slopes->by_residual += (onto(x, of.residual_rows) * bin.weight -
+                              bin.integral * bin.residual.adjoint() * bin.weight * all * bin.weight)
+                                 .real() /
+                             band.level;
     }
   }
+  return value;
+}
 
-  // The body, by the road alone.
-  const MatrixXd residual_rows = of.rows.topRows(residuals_), road_rows = of.rows.bottomRows(kRows);
-  std::vector<Eigen::Matrix4cd> all_roads(static_cast<std::size_t>(bins_), Eigen::Matrix4cd::Zero());
-  Eigen::ArrayXd power = Eigen::ArrayXd::Zero(bins_), count = power;
-  for (Index k = 0; k < bins_; ++k) {
+double CarPosterior::road_value(const System& of, const VectorXd& v, const SpectralMoments& speed,
+                                Slopes* slopes, VectorXd* gradient) const {
+  const Roads roads = this->roads(of, v, speed);
+  if (roads.count <= 0.0) return 0.0;
+  const Eigen::LLT<Eigen::Matrix4d> llt(roads.level);
+  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  double value =
+      roads.log_shape + 2.0 * roads.count * Eigen::Matrix4d(llt.matrixL()).diagonal().array().log().sum();
+  for (const Index k : roads.bins)
+    value += speed.count(k) * of.bin[static_cast<std::size_t>(k)].log_determinant;
+  if (slopes) add_road_slopes(of, speed, roads, *slopes, *gradient);
+  return value;
+}
+
+void CarPosterior::add_road_slopes(const System& of, const SpectralMoments& speed, const Roads& roads,
+                                   Slopes& slopes, VectorXd& gradient) const {
+  const Eigen::Matrix4d inverse = roads.level.llt().solve(Eigen::Matrix4d::Identity());
+  MatrixXd by_log_shape = MatrixXd::Zero(bins_, kSides);
+  for (std::size_t at = 0; at < roads.bins.size(); ++at) {
+    const Index k = roads.bins[at];
     const auto b = static_cast<std::size_t>(k);
-    Eigen::Matrix<Complex, kWheels, kRows> map;
-    map << Eigen::Matrix4cd(bin[b].softness.asDiagonal()), Eigen::Matrix4cd::Identity();
-    for (const SpectralMoments* speed : speeds_) {
-      count(k) += speed->count(k);
-      const MatrixXcd rows = sandwich(road_rows, speed->same[b], road_rows);
-      all_roads[b] += map * rows * map.adjoint();
-      power(k) += (bin[b].weight * sandwich(residual_rows, speed->same[b], residual_rows)).trace().real();
+    const Bin& bin = of.bin[b];
+    const double n = speed.count(k);
+    const Eigen::Matrix4d weight = roads.scale[at].asDiagonal() * inverse * roads.scale[at].asDiagonal();
+    Eigen::Matrix4d on_axle = weight;
+    on_axle.topRightCorner<2, 2>().setZero();
+    on_axle.bottomLeftCorner<2, 2>().setZero();
+    const Eigen::Matrix2d across = weight.topRightCorner<2, 2>();
+
+    // Wheels of one axle.
+    const MatrixXcd half = onto(speed.same[b], of.road_rows);
+    const MatrixXcd on_map = bin.to_road.adjoint() * on_axle;
+    slopes.by_road += (half * on_map * bin.to_road).real();
+    const MatrixXcd rows_on = rows_of(of.road_rows, half) * on_map;  // [8 x 4]
+    // A front wheel and a rear one.
+    const Eigen::Matrix4cd back = bin.to_rear.adjoint() * across.transpose() * bin.to_front;
+    const MatrixXcd by_front = onto(speed.delayed[b], of.rear_rows) * back;
+    const MatrixXcd by_rear = (back * rows_of(of.front_rows, speed.delayed[b])).transpose();
+    slopes.by_road.leftCols(2) += by_front.leftCols(2).real();
+    slopes.by_road.middleCols(kWheels, 2) += by_front.rightCols(2).real();
+    slopes.by_road.middleCols(2, 2) += by_rear.leftCols(2).real();
+    slopes.by_road.rightCols(2) += by_rear.rightCols(2).real();
+    const MatrixXcd between = sandwich(of.front_rows, speed.delayed[b], of.rear_rows);
+    const MatrixXcd front_on = between * bin.to_rear.adjoint() * across.transpose();  // [4 x 2]
+    const MatrixXcd rear_on = across.transpose() * bin.to_front * between;            // [2 x 4]
+    for (Index i = 0; i < kWheels; ++i)
+      slopes.by_softness(k, i) +=
+          2.0 * (rows_on(i, i) + (i < 2 ? front_on(i, i) : std::conj(rear_on(i - 2, i - 2))) -
+                 n * (bin.force.row(i) * bin.from_road.col(i)).value());
+
+    // log det R R^H - 2 log |det [U; R]|
+    slopes.by_residual +=
+        n * (bin.integral * (bin.residual.adjoint() * bin.weight - bin.from_residual)).real();
+    const MatrixXcd by_height = bin.integral * bin.from_road;
+    slopes.by_road.leftCols(kWheels) -= n * (by_height * bin.softness.asDiagonal()).real();
+    slopes.by_road.rightCols(kWheels) -= n * by_height.real();
+
+    const Eigen::Matrix4d share = weight.cwiseProduct(roads.road[at].real());
+    for (int side = 0; side < kSides; ++side)
+      by_log_shape(k, side) = 2.0 * n - share.row(side).sum() - share.row(side + 2).sum();
+  }
+  const std::vector<Eigen::ArrayXd> by = log_shape_by(speed);
+  for (int side = 0; side < kSides; ++side)
+    for (int s = 0; s < kShape; ++s)
+      gradient(known_ + side * kShape + s) +=
+          (by_log_shape.col(side).array() * by[static_cast<std::size_t>(s)]).sum();
+}
+
+void CarPosterior::add_slopes(const System& of, const VectorXd& v, const Slopes& slopes,
+                              VectorXd& gradient) const {
+  MatrixXd by_rows(3 * channels_, residuals_ + kRows);
+  by_rows << slopes.by_residual, slopes.by_road;
+  for (Index a = 0; a < known_; ++a)
+    gradient(a) += 2.0 * equations_by(v, of.equations, a).transpose().cwiseProduct(by_rows).sum();
+  for (std::size_t a = 0; a < parameter_.size(); ++a) {
+    const int p = parameter_[a];
+    if (p < kTyre) continue;
+    const Index wheel = (p - kTyre) % kWheels;
+    for (Index k = 0; k < bins_; ++k) {
+      const Complex softness = of.bin[static_cast<std::size_t>(k)].softness(wheel);
+      gradient(static_cast<Index>(a)) +=
+          (slopes.by_softness(k, wheel) * -softness * softness * stiffness_step(of.equations, p, omega(k)))
+              .real();
     }
   }
-  for (double low_hz = 0.0; low_hz < kBodyTo_hz; low_hz += kBand_hz) {
-    double band_power = 0.0, band_count = 0.0;
-    std::vector<Index> in_band;
-    for (Index k = 0; k < bins_; ++k) {
-      const double frequency_hz = omega(k) / (2.0 * std::numbers::pi);
-      if (!is_of_body(k) || frequency_hz <= low_hz + 1e-9 || frequency_hz > low_hz + kBand_hz + 1e-9)
-        continue;
-      in_band.push_back(k);
-      band_power += power(k);
-      band_count += static_cast<double>(residuals_) * count(k);
-    }
-    if (band_count <= 0.0) continue;
-    const double level = std::max(band_power / band_count, prior_.noise_m2_s4_hz);
-    for (const Index k : in_band) {
+}
+
+/// Change of c = ct + j om dt by a standard deviation of a tyre's stiffness or damper.
+std::complex<double> CarPosterior::stiffness_step(const Equations& of, int parameter, double omega) const {
+  const double sigma = prior_.sigma(parameter);
+  return is_tyre_damper(parameter) ? kJ * omega * sigma
+                                   : Complex(sigma * of.tyre((parameter - kTyre) % kWheels));
+}
+
+/// How the road that is computed changes by an unknown, per unit of the true one [4 x 4].
+/// @param rows  derivative of the equations' rows by it
+MatrixXcd CarPosterior::road_by(const System& of, Index k, const MatrixXd& rows, Index unknown) const {
+  const Bin& bin = of.bin[static_cast<std::size_t>(k)];
+  const MatrixXcd from_road = bin.integral * bin.from_road;
+  MatrixXcd road = bin.to_road * rows_of(rows.bottomRows(kRows), from_road);
+  if (unknown < std::ssize(parameter_) && parameter_[static_cast<std::size_t>(unknown)] >= kTyre) {
+    const int p = parameter_[static_cast<std::size_t>(unknown)];
+    const Index wheel = (p - kTyre) % kWheels;
+    road.row(wheel) -= bin.softness(wheel) * bin.softness(wheel) * stiffness_step(of.equations, p, omega(k)) *
+                       (bin.force.row(wheel) * bin.from_road);
+  }
+  return road;
+}
+
+MatrixXd CarPosterior::information(const VectorXd& v) const {
+  const System of = system(v);
+  std::vector<MatrixXd> rows_by;
+  for (Index a = 0; a < known_; ++a) rows_by.push_back(equations_by(v, of.equations, a));
+  MatrixXd information = MatrixXd::Zero(size_, size_);
+  add_body_information(of, rows_by, information);
+  for (const SpectralMoments* speed : speeds_) add_road_information(of, v, *speed, rows_by, information);
+  add_prior_information(information);
+  return information.selfadjointView<Eigen::Lower>();
+}
+
+/// By the road alone.
+void CarPosterior::add_body_information(const System& of, const std::vector<MatrixXd>& rows_by,
+                                        MatrixXd& information) const {
+  for (const Band& band : bands(of)) {
+    for (const Index k : band.bins) {
       const auto b = static_cast<std::size_t>(k);
-      for (Index a = 0; a < known_; ++a) {
-        const MatrixXcd weighed =
-            bin[b].weight * residual_by[static_cast<std::size_t>(a)][b] * all_roads[b] / level;
-        for (Index c = 0; c <= a; ++c)
-          information(a, c) +=
-              2.0 *
-              weighed.conjugate().cwiseProduct(residual_by[static_cast<std::size_t>(c)][b]).sum().real();
+      const Bin& bin = of.bin[b];
+      const Eigen::Matrix4cd road =
+          bin.to_road * sandwich(of.road_rows, same_[b], of.road_rows) * bin.to_road.adjoint();
+      const MatrixXcd from_road = bin.integral * bin.from_road;
+      std::vector<MatrixXcd> residual_by;  // per unit of the road
+      for (const MatrixXd& rows : rows_by)
+        residual_by.push_back(rows_of(rows.topRows(residuals_), from_road));
+      for (std::size_t a = 0; a < residual_by.size(); ++a) {
+        const MatrixXcd weighed = bin.weight * residual_by[a] * road / band.level;
+        for (std::size_t c = 0; c <= a; ++c)
+          information(static_cast<Index>(a), static_cast<Index>(c)) +=
+              2.0 * weighed.conjugate().cwiseProduct(residual_by[c]).sum().real();
       }
     }
   }
+}
 
-  // The road, of each speed: Gaussian with E[u u^H] = phi L; what could as well be a change of L is taken
-  // off.
-  for (const SpectralMoments* speed : speeds_) {
-    const MatrixXd shape = log_shape(v, *speed);
-    const std::vector<Eigen::ArrayXd> by = log_shape_by(*speed);
-    std::vector<Index> used;
-    Eigen::Matrix4d level = Eigen::Matrix4d::Zero();
-    double all_count = 0.0;
-    for (Index k = 0; k < bins_; ++k)
-      if (is_of_road(k) && speed->count(k) > 0.0) used.push_back(k);
-    std::vector<Eigen::Vector4cd> scale;
-    for (const Index k : used) {
-      const auto b = static_cast<std::size_t>(k);
-      const double left = std::exp(-0.5 * shape(k, 0)), right = std::exp(-0.5 * shape(k, 1));
-      const Complex advance = std::polar(1.0, omega(k) * speed->delay_s());
-      scale.emplace_back(left, right, left * advance, right * advance);
-      Eigen::Matrix<Complex, kWheels, kRows> map;
-      map << Eigen::Matrix4cd(bin[b].softness.asDiagonal()), Eigen::Matrix4cd::Identity();
-      const MatrixXcd rows = sandwich(road_rows, speed->same[b], road_rows);
-      const MatrixXcd delayed = sandwich(road_rows, speed->delayed[b], road_rows);
-      Eigen::Matrix4cd u = map * rows * map.adjoint();
-      u.topRightCorner<2, 2>() = (map * delayed * map.adjoint()).topRightCorner<2, 2>();
-      u.bottomLeftCorner<2, 2>() = u.topRightCorner<2, 2>().adjoint().eval();
-      const Eigen::Vector4d size = scale.back().cwiseAbs();
-      level += size.asDiagonal() * u.real() * size.asDiagonal();
-      all_count += speed->count(k);
-    }
-    if (all_count <= 0.0) continue;
-    level /= all_count;
-    const Eigen::LLT<Eigen::Matrix4d> llt(level);
-    const Eigen::Matrix4d lower = llt.matrixL();
-    const Eigen::Matrix4d upward = lower.inverse();
-    // Real rows of L^-1/2 S L^-T/2, so that their products are traces.
-    const Index each = 32, columns = each * std::ssize(used);
-    MatrixXd signal(size_, columns), means = MatrixXd::Zero(size_, 16);
-    for (std::size_t at = 0; at < used.size(); ++at) {
-      const Index k = used[at];
-      const double weight = speed->count(k);
-      const auto put = [&](Index unknown, const Eigen::Matrix4cd& change) {
-        const Eigen::Matrix4cd moved = change * level;
-        const Eigen::Matrix4cd white = upward * (moved + moved.adjoint()) * upward.transpose();
-        const Eigen::Matrix4d real = white.real(), imaginary = white.imag();
-        auto row = signal.row(unknown).segment(each * static_cast<Index>(at), each);
-        row.head<16>() = std::sqrt(weight) * real.reshaped().transpose();
-        row.tail<16>() = std::sqrt(weight) * imaginary.reshaped().transpose();
-        means.row(unknown) += weight * real.reshaped().transpose();
-      };
-      const Eigen::Vector4cd& s = scale[at];
-      for (Index a = 0; a < known_; ++a)
-        put(a, s.asDiagonal() * road_by[static_cast<std::size_t>(a)][static_cast<std::size_t>(k)] *
-                   s.cwiseInverse().asDiagonal());
-      for (int side = 0; side < kSides; ++side)
-        for (int b = 0; b < kShape; ++b) {
-          Eigen::Vector4cd of_side = Eigen::Vector4cd::Zero();
-          of_side(side) = of_side(side + 2) = -0.5 * by[static_cast<std::size_t>(b)](k);
-          put(known_ + side * kShape + b, of_side.asDiagonal());
-        }
-    }
-    information.triangularView<Eigen::Lower>() +=
-        signal * signal.transpose() - means * means.transpose() / all_count;
+/// Gaussian with E[u u^H] = phi L; what could as well be a change of L is taken off.
+void CarPosterior::add_road_information(const System& of, const VectorXd& v, const SpectralMoments& speed,
+                                        const std::vector<MatrixXd>& rows_by, MatrixXd& information) const {
+  const Roads roads = this->roads(of, v, speed);
+  if (roads.count <= 0.0) return;
+  const std::vector<Eigen::ArrayXd> by = log_shape_by(speed);
+  const Eigen::Matrix4d lower = roads.level.llt().matrixL();
+  const Eigen::Matrix4d upward = lower.inverse();
+  // Real rows of L^-1/2 S L^-T/2, so that their products are traces.
+  constexpr Index kEach = 32;
+  MatrixXd signal(size_, kEach * std::ssize(roads.bins)), means = MatrixXd::Zero(size_, kEach / 2);
+  for (std::size_t at = 0; at < roads.bins.size(); ++at) {
+    const Index k = roads.bins[at];
+    const double weight = speed.count(k);
+    const auto put = [&](Index unknown, const Eigen::Matrix4cd& change) {
+      const Eigen::Matrix4cd moved = change * roads.level;
+      const Eigen::Matrix4cd white = upward * (moved + moved.adjoint()) * upward.transpose();
+      const Eigen::Matrix4d real = white.real(), imaginary = white.imag();
+      auto row = signal.row(unknown).segment(kEach * static_cast<Index>(at), kEach);
+      row.head<kEach / 2>() = std::sqrt(weight) * real.reshaped().transpose();
+      row.tail<kEach / 2>() = std::sqrt(weight) * imaginary.reshaped().transpose();
+      means.row(unknown) += weight * real.reshaped().transpose();
+    };
+    Eigen::Vector4cd scale = roads.scale[at];
+    scale.tail<2>() *= std::polar(1.0, omega(k) * speed.delay_s());
+    for (Index a = 0; a < known_; ++a)
+      put(a, scale.asDiagonal() * road_by(of, k, rows_by[static_cast<std::size_t>(a)], a) *
+                 scale.cwiseInverse().asDiagonal());
+    for (int side = 0; side < kSides; ++side)
+      for (int b = 0; b < kShape; ++b) {
+        Eigen::Vector4cd of_side = Eigen::Vector4cd::Zero();
+        of_side(side) = of_side(side + 2) = -0.5 * by[static_cast<std::size_t>(b)](k);
+        put(known_ + side * kShape + b, of_side.asDiagonal());
+      }
   }
+  information.triangularView<Eigen::Lower>() +=
+      signal * signal.transpose() - means * means.transpose() / roads.count;
+}
 
+void CarPosterior::add_prior_information(MatrixXd& information) const {
   information.diagonal().head(known_).array() += 1.0;
   static const MatrixXd kDifferences = second_differences();
   for (int side = 0; side < kSides; ++side) {
@@ -587,7 +601,6 @@ MatrixXd CarPosterior::information(const VectorXd& v) const {
     information(at, at) += 1.0;
     information.block(at + 1, at + 1, kShape - 1, kShape - 1) += kDifferences.transpose() * kDifferences;
   }
-  return information.selfadjointView<Eigen::Lower>();
 }
 
 PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& start) {

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <span>
+#include <array>
+#include <complex>
 #include <vector>
 
 #include <Eigen/Core>
@@ -69,19 +70,44 @@ class CarPosterior {
 
  private:
   struct Equations;
-  struct Bins;
+  struct Bin;
+  struct System;
+  struct Band;
+  struct Roads;
+  struct Slopes;
   Equations equations(const Eigen::VectorXd& v) const;
   Eigen::MatrixXd equations_by(const Eigen::VectorXd& v, const Equations& of, Eigen::Index unknown) const;
+  System system(const Eigen::VectorXd& v) const;
   Eigen::MatrixXd log_shape(const Eigen::VectorXd& v, const SpectralMoments& speed) const;
   std::vector<Eigen::ArrayXd> log_shape_by(const SpectralMoments& speed) const;
+  std::vector<Band> bands(const System& of) const;
+  Roads roads(const System& of, const Eigen::VectorXd& v, const SpectralMoments& speed) const;
+
   double evaluate(const Eigen::VectorXd& v, Eigen::VectorXd* gradient) const;
+  double body_value(const System& of, Slopes* slopes) const;
+  double road_value(const System& of, const Eigen::VectorXd& v, const SpectralMoments& speed, Slopes* slopes,
+                    Eigen::VectorXd* gradient) const;
+  void add_road_slopes(const System& of, const SpectralMoments& speed, const Roads& roads, Slopes& slopes,
+                       Eigen::VectorXd& gradient) const;
+  void add_slopes(const System& of, const Eigen::VectorXd& v, const Slopes& slopes,
+                  Eigen::VectorXd& gradient) const;
   double prior_value(const Eigen::VectorXd& v, Eigen::VectorXd* gradient) const;
+  std::complex<double> stiffness_step(const Equations& of, int parameter, double omega) const;
+  Eigen::MatrixXcd road_by(const System& of, Eigen::Index bin, const Eigen::MatrixXd& rows,
+                           Eigen::Index unknown) const;
+  void add_body_information(const System& of, const std::vector<Eigen::MatrixXd>& rows_by,
+                            Eigen::MatrixXd& information) const;
+  void add_road_information(const System& of, const Eigen::VectorXd& v, const SpectralMoments& speed,
+                            const std::vector<Eigen::MatrixXd>& rows_by, Eigen::MatrixXd& information) const;
+  void add_prior_information(Eigen::MatrixXd& information) const;
   bool is_of_body(Eigen::Index bin) const;
   bool is_of_road(Eigen::Index bin) const;
   double omega(Eigen::Index bin) const { return speeds_.front()->omega(bin); }
 
   CarPrior prior_;
   std::vector<const SpectralMoments*> speeds_;
+  std::vector<Eigen::MatrixXcd> same_;  ///< of all speeds, in the bins of the body
+  Eigen::ArrayXd count_;                ///< of all speeds
   Eigen::Index channels_, bins_, residuals_, known_, size_;
   std::vector<int> parameter_;         ///< of the car that are unknown
   std::vector<Eigen::Index> channel_;  ///< whose gains are

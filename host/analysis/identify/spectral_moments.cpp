@@ -26,23 +26,6 @@ Eigen::Array3d high_pass() {
 
 }  // namespace
 
-SpectralMoments& SpectralMoments::operator+=(const SpectralMoments& other) {
-  if (other.segments == 0.0) return *this;
-  if (segments == 0.0) return *this = other;
-  delay_seconds += other.delay_seconds;
-  segments += other.segments;
-  count += other.count;
-  for (std::size_t k = 0; k < same.size(); ++k) {
-    same[k] += other.same[k];
-    delayed[k] += other.delayed[k];
-  }
-  return *this;
-}
-
-double SpectralMoments::omega(Index bin) const {
-  return kTurn * step_hz * static_cast<double>(first + bin);
-}
-
 MotionIntegrals::MotionIntegrals(Index channels, double rate_hz)
     : denominator_(high_pass()),
       filter_(discretise_ramp_invariant(companion(denominator_.matrix()), 1.0 / rate_hz), channels) {}

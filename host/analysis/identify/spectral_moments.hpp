@@ -7,31 +7,13 @@
 #include "common/dsp/fft.hpp"
 #include "common/dsp/state_filter.hpp"
 #include "common/vehicle/linear_model.hpp"
+#include "host/analysis/identify/speed_spectra.hpp"
 
 namespace roadbalance {
 
-/// Cross-spectral matrices over bins of frequency, gathered at about one speed; they add.
-///
-/// Signals x, 3 m rows, are the accelerations of m vertical channels, their velocities and their
-/// displacements (MotionIntegrals).  Sums over Hann-tapered segments of x x^H, and of the same as the rear
-/// wheels would have seen it on the front wheels' road: e^{-j om L/V} x x^H, with each segment's own speed.
-/// Segments in which a wheel's line lies within 2.6 bins of a bin do not count there.  Segments overlap; each
-/// weighs as many independent bins as it brings.
-struct SpectralMoments {
-  double step_hz = 0.0;  ///< distance of the bins, the first of which is first * step_hz; 0: nothing yet
-  Eigen::Index first = 0;
-  double segments = 0.0;               ///< their weights' sum
-  double delay_seconds = 0.0;          ///< their sum of wheelbase / V
-  Eigen::ArrayXd count;                ///< [bin] segments in it
-  std::vector<Eigen::MatrixXcd> same;  ///< [bin] 3 m x 3 m, two-sided density in (m/s^2)^2 / Hz times count
-  std::vector<Eigen::MatrixXcd> delayed;  ///< [bin] rows of front wheels against columns of rear ones count
-
-  SpectralMoments& operator+=(const SpectralMoments& other);
-
-  Eigen::Index bins() const { return count.size(); }
-  double omega(Eigen::Index bin) const;  ///< circular frequency, rad/s
-  double delay_s() const { return delay_seconds / segments; }
-};
+/// Of motion, 3 m rows: accelerations of m vertical channels, their velocities and displacements
+/// (MotionIntegrals).  Two-sided densities times their count, (m/s^2)^2 / Hz among accelerations.
+using SpectralMoments = SpeedSpectra<Eigen::MatrixXcd>;
 
 /// Accelerations, velocities and displacements of channels, all behind one high-pass of third order at 0.35
 /// Hz. They are integrated before a window is laid on them, so that an equation of motion holds within it.

@@ -5,7 +5,6 @@
 
 #include "common/dsp/window.hpp"
 #include "common/types/angle_units.hpp"
-#include "host/analysis/identify/hann_segments.hpp"
 
 namespace roadbalance {
 namespace {
@@ -13,23 +12,6 @@ namespace {
 using Complex = std::complex<double>;
 
 }  // namespace
-
-WhittleMoments& WhittleMoments::operator+=(const WhittleMoments& other) {
-  if (other.segments == 0.0) return *this;
-  if (segments == 0.0) return *this = other;
-  delay_seconds += other.delay_seconds;
-  segments += other.segments;
-  count += other.count;
-  for (std::size_t k = 0; k < same.size(); ++k) {
-    same[k] += other.same[k];
-    delayed[k] += other.delayed[k];
-  }
-  return *this;
-}
-
-double WhittleMoments::omega(Eigen::Index bin) const {
-  return kTurn * step_hz * static_cast<double>(first + bin);
-}
 
 WhittleGatherer::WhittleGatherer(const Geometry& geometry, double rate_hz)
     : wheelbase_m_(geometry.x_m[0] - geometry.x_m[2]),

@@ -6,7 +6,9 @@
 
 #include "common/dsp/fft.hpp"
 #include "common/vehicle/linear_model.hpp"
+#include "host/analysis/identify/hann_segments.hpp"
 #include "host/analysis/identify/signals.hpp"
+#include "host/analysis/identify/speed_spectra.hpp"
 
 namespace roadbalance {
 
@@ -15,26 +17,8 @@ inline constexpr double kWhittleFrom_hz = 3.0;
 inline constexpr double kWhittleTo_hz = 40.0;
 inline constexpr double kWhittleSegment_s = 4.0;
 
-/// Cross-spectral matrices of z'' over the bins, gathered at about one speed; they add.
-///
-/// Sums over Hann-tapered segments of Z Z^H, and of the same as the rear wheels would have seen it on the
-/// front wheels' road: e^{-j om L/V} Z Z^H, with each segment's own speed.  Segments in which a wheel's line
-/// lies within 2.6 bins of a bin do not count there.  Segments overlap; each weighs as many independent bins
-/// as it brings.
-struct WhittleMoments {
-  using Spectra = std::vector<Eigen::Matrix<std::complex<double>, kCoordinates, kCoordinates>>;
-  double step_hz = 0.0;  ///< distance of the bins, the first of which is first * step_hz; 0: nothing yet
-  Eigen::Index first = 0;
-  double segments = 0.0;       ///< their weights' sum
-  double delay_seconds = 0.0;  ///< their sum of wheelbase / V
-  Eigen::ArrayXd count;        ///< [bin] segments in it
-  Spectra same;                ///< [bin] of both wheels of an axle
-  Spectra delayed;             ///< [bin] rows of front wheels against columns of rear ones
-
-  WhittleMoments& operator+=(const WhittleMoments& other);
-
-  double omega(Eigen::Index bin) const;  ///< of one of `count`, circular frequency in rad/s
-};
+/// Of z''.
+using WhittleMoments = SpeedSpectra<Eigen::Matrix<std::complex<double>, kCoordinates, kCoordinates>>;
 
 /// Makes WhittleMoments of stretches of samples.
 class WhittleGatherer {

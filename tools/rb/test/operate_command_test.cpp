@@ -121,15 +121,20 @@ TEST_F(OperateCommand, ARefusalIsSaidAndEndsWithOne) {
   EXPECT_EQ(json.at("reason"), "no recording is under way");
 }
 
+/// Of the first of two nodes, which lacks nothing.
+Receipt whole_receipt() {
+  return {.nodes = 2,
+          .node = 1,
+          .epochs = 1,
+          .samples_sent = 100,
+          .samples_recorded = 100,
+          .blocks_crc32c = 0x12AB,
+          .sums_agree = true,
+          .name = "drive"};
+}
+
 TEST_F(OperateCommand, AStopGivesTheReceiptAndSaysByItsCodeWhatIsMissing) {
-  Receipt whole{.nodes = 2,
-                .node = 1,
-                .epochs = 1,
-                .samples_sent = 100,
-                .samples_recorded = 100,
-                .blocks_crc32c = 0x12AB,
-                .sums_agree = true,
-                .name = "drive"};
+  const Receipt whole = whole_receipt();
   Receipt lossy = whole;
   lossy.index = 1;
   lossy.node = 2;
@@ -173,15 +178,8 @@ TEST_F(OperateCommand, AStopGivesTheReceiptAndSaysByItsCodeWhatIsMissing) {
 }
 
 TEST_F(OperateCommand, AStopSaysNothingIsLostOfNoNodeThatWasAbsent) {
-  const Receipt early{.nodes = 2,
-                      .node = 1,
-                      .epochs = 1,
-                      .samples_sent = 100,
-                      .samples_recorded = 100,
-                      .blocks_crc32c = 0x12AB,
-                      .sums_agree = true,
-                      .name = "drive",
-                      .absence = "ended 38 s before the recording"};
+  Receipt early = whole_receipt();
+  early.absence = "ended 38 s before the recording";
   const Receipt never{.index = 1, .nodes = 2, .node = 2, .name = "drive", .absence = "never came"};
   const Answering recorder(url_, done("\"drive\" is on the disk"), {early, never});
   const auto outcome = rb({"stop"});
