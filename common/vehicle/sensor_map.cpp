@@ -45,6 +45,8 @@ SensorMap map_to(int coordinates, const VehicleConfig& vehicle) {
         names += (names.empty() ? "" : ", ") + std::string(kNames[static_cast<std::size_t>(i)]);
     throw ConfigError("vehicle.toml: the vertical sensors of all nodes do not determine: " + names);
   }
+  map.readings.setZero(sensors.rows(), kCoordinates);
+  map.readings.leftCols(coordinates) = sensors;
   map.pseudo_inverse.setZero(kCoordinates, sensors.rows());
   map.pseudo_inverse.topRows(coordinates) = (sensors.transpose() * sensors).inverse() * sensors.transpose();
   return map;

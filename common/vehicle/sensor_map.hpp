@@ -18,6 +18,7 @@ struct SensorMap {
     int channel;  ///< index into NodeConfig::channel
   };
   std::vector<Input> input;        ///< columns of `pseudo_inverse`
+  Eigen::MatrixXd readings;        ///< [inputs x 7] each input's reading per unit of z''
   Eigen::MatrixXd pseudo_inverse;  ///< [7 x inputs]
 
   /// @throws ConfigError naming the coordinate that no sensor sees, or if the car has a description of its

@@ -27,8 +27,9 @@ CarTruth truth_of(const IdealDrive& drive, std::uint64_t seed, const VehicleConf
 std::vector<Stretch> shortened(std::span<const Stretch> stretches, Eigen::Index samples) {
   std::vector<Stretch> result;
   for (const Stretch& stretch : stretches) {
-    Stretch first{stretch.rate_hz, stretch.speed_m_s, stretch.omega, {}, {}};
+    Stretch first{stretch.rate_hz, stretch.speed_m_s, stretch.omega, {}, {}, {}};
     first.signals = stretch.signals.leftCols(std::min(samples, stretch.signals.cols()));
+    first.readings = stretch.readings.leftCols(std::min(samples, stretch.readings.cols()));
     first.road_m = stretch.road_m.leftCols(std::min(samples, stretch.road_m.cols()));
     result.push_back(std::move(first));
   }

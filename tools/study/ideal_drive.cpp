@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/dsp/decimation.hpp"
+#include "common/vehicle/sensor_map.hpp"
 #include "sim/car.hpp"
 #include "sim/random.hpp"
 
@@ -66,6 +67,7 @@ std::vector<Stretch> drive_ideally(const IdealDrive& drive, std::uint64_t seed,
   const double step_s = 1.0 / (kStepsInSample * drive.rate_hz);
   sim::Car car(scenario, seed, vehicle, step_s);
   const Eigen::VectorXd taps = decimation_taps(kStepsInSample);
+  const Eigen::MatrixXd sensors = SensorMap::from(vehicle).readings;
 
   std::vector<Stretch> stretches;
   double begin_s = 0.0;
@@ -89,6 +91,7 @@ std::vector<Stretch> drive_ideally(const IdealDrive& drive, std::uint64_t seed,
       stretch.signals.col(k) = sample.head<kSignals>();
       if (drive.road_measured) stretch.road_m.col(k) = sample.tail<kWheels>();
     }
+    stretch.readings = sensors * stretch.signals.topRows<kCoordinates>();
     stretches.push_back(std::move(stretch));
     begin_s += plateau.seconds;
   }

@@ -40,7 +40,10 @@ void Assembler::add_road(NodeMap& map, const NodeConfig& node) const {
 }
 
 Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emit emit, double longest_wait_s)
-    : rows_(longest_wait_s), road_measured_(measures_road(vehicle)), emit_(std::move(emit)) {
+    : rows_(longest_wait_s),
+      inputs_(std::ssize(sensors.input)),
+      road_measured_(measures_road(vehicle)),
+      emit_(std::move(emit)) {
   std::vector<const NodeConfig*> used;
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
     const NodeConfig& node = vehicle.node[n];
@@ -55,6 +58,8 @@ Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emi
       const Vector7 weights = sensors.pseudo_inverse.col(static_cast<Eigen::Index>(s));
       map.from_counts.col(c).head<kCoordinates>() = weights * channel.scale_m_s2_per_count;
       map.at_zero_counts.head<kCoordinates>() += weights * channel.to_si(0.0);
+      map.readings.push_back(
+          {static_cast<Eigen::Index>(s), c, channel.scale_m_s2_per_count, channel.to_si(0.0)});
       map.overload_mask |= 1 << c;
     }
     for (int line = 0; line < kEncoderLines; ++line) {
@@ -104,6 +109,9 @@ void Assembler::add_rows(const GridStream& stream, const NodeMap& map) {
     SignalVector sum = map.at_zero_counts;
     for (const Eigen::Index c : map.used) sum += from_counts.col(c) * counts(c);
     run_.samples.col(row) += sum;
+    for (const NodeMap::Reading& reading : map.readings)
+      run_.readings(reading.input, row) =
+          reading.at_zero_counts + reading.m_s2_per_count * counts(reading.channel);
     if (road_measured_) run_.road_m.col(row) += map.road_at_zero_counts + map.road_from_counts * counts;
   }
 }
@@ -115,6 +123,7 @@ void Assembler::emit_run(const CommonRows::Run& run) {
   run_.restart = run.restart;
   run_.time_ns = first.rows.front().time_ns + (first.row + run.rows - 1) * rows_.grid().period_ps / 1000;
   run_.samples.setZero(kSignals, run.rows);
+  run_.readings.resize(inputs_, run.rows);
   run_.road_m.setZero(kWheels, road_measured_ ? run.rows : 0);
   for (std::size_t n = 0; n < streams.size(); ++n) add_rows(streams[n], maps_[n]);
   emit_(run_);

@@ -55,6 +55,12 @@ class Assembler {
     Eigen::Matrix<double, kSignals, kChannels> from_counts;
     std::vector<Eigen::Index> used;  ///< channels whose column is not 0
     SignalVector at_zero_counts;
+    /// Its channels that are SensorMap's inputs, and how they read.
+    struct Reading {
+      Eigen::Index input, channel;
+      double m_s2_per_count, at_zero_counts;
+    };
+    std::vector<Reading> readings;
     Eigen::Matrix<double, kWheels, kChannels> road_from_counts;
     Eigen::Vector4d road_at_zero_counts;
     std::int32_t overload_mask;
@@ -68,6 +74,7 @@ class Assembler {
 
   CommonRows rows_;
   std::vector<NodeMap> maps_;
+  Eigen::Index inputs_;  ///< of SensorMap
   bool road_measured_;
   SignalRun run_;
   Emit emit_;

@@ -11,6 +11,8 @@
 #include <Eigen/SVD>
 
 #include "common/vehicle/contact_patch.hpp"
+#include "common/vehicle/sensor_map.hpp"
+#include "host/analysis/identify/estimate_covariance.hpp"
 #include "host/analysis/identify/signals.hpp"
 
 namespace roadbalance {
@@ -24,14 +26,18 @@ using Eigen::VectorXd;
 
 constexpr double kRoadFrom_hz =
     3.0;  ///< below it the body moves most, and the wheels' rows lack what drives it
-constexpr double kBodyTo_hz = 20.0;  ///< above it the body is not rigid
-constexpr double kBand_hz = 4.0;     ///< of one level of the body's residuals
+constexpr double kBodyTo_hz = 20.0;        ///< above it the body is not rigid
+constexpr double kBand_hz = 4.0;           ///< of one level of the body's residuals
+constexpr double kLeastNoise_m_s2 = 0.01;  ///< of a sensor, in all of the identification's band
 constexpr int kSides = 2;
 constexpr int kKnots = 9;
-constexpr int kShape = kKnots - 1;  ///< unknowns of a side: the exponent, and each inner knot
+constexpr int kShape = kKnots - 1;  ///< unknowns of a curve: its slope, and each inner knot
+constexpr int kCurves = 4;          ///< of the road: shapes of left and right, mixing of sides and of axles
 constexpr double kFirstKnot_1_m = 0.075, kLastKnot_1_m = 1.6;
-constexpr double kReference_1_m = 0.6;  ///< where exponent and level are independent
-constexpr int kRows = 2 * kWheels;      ///< of a road: forces, and heights, of the four wheels
+constexpr double kReference_1_m = 0.6;  ///< where slope and level are independent
+constexpr double kMixing =
+    0.3;  ///< a curve's sigma beside a shape's: coherence from 0.95 to 0.2 within a decade
+constexpr int kRows = 2 * kWheels;  ///< of a road: forces, and heights, of the four wheels
 
 constexpr bool is_tyre_damper(int parameter) {
   return parameter >= kTyreDamper;
@@ -71,6 +77,27 @@ MatrixXcd rows_of(const MatrixXd& left, const MatrixXcd& x) {
   all.real() = left * x.real();
   all.imag() = left * x.imag();
   return all;
+}
+
+/// Swaps left and right, and front and rear: they commute, and exp of neither changes a determinant.
+Eigen::Matrix4d swap_sides() {
+  Eigen::Matrix4d swap = Eigen::Matrix4d::Zero();
+  swap(0, 1) = swap(1, 0) = swap(2, 3) = swap(3, 2) = 1.0;
+  return swap;
+}
+Eigen::Matrix4d swap_axles() {
+  Eigen::Matrix4d swap = Eigen::Matrix4d::Zero();
+  swap(0, 2) = swap(2, 0) = swap(1, 3) = swap(3, 1) = 1.0;
+  return swap;
+}
+
+/// exp(amount swap)
+Eigen::Matrix4d mixing(double amount, const Eigen::Matrix4d& swap) {
+  return std::cosh(amount) * Eigen::Matrix4d::Identity() + std::sinh(amount) * swap;
+}
+
+constexpr double scale_of_curve(int curve) {
+  return curve < kSides ? 1.0 : kMixing;
 }
 
 /// Velocity and displacement per acceleration at a circular frequency, a block of channels each.
@@ -148,10 +175,10 @@ struct CarPosterior::Band {
 
 /// The road at one speed.
 struct CarPosterior::Roads {
-  std::vector<Index> bins;             ///< that count
-  std::vector<Eigen::Matrix4cd> road;  ///< [of bins] sum of u u^H, the rear wheels advanced
-  std::vector<Eigen::Vector4d> scale;  ///< [of bins] phi^-1/2
-  double log_shape = 0.0;              ///< sum of n log phi over bins and wheels
+  std::vector<Index> bins;                 ///< that count
+  std::vector<Eigen::Matrix4cd> road;      ///< [of bins] sum of u u^H, the rear wheels advanced
+  std::vector<Eigen::Matrix4d> whitening;  ///< [of bins] W phi^-1/2
+  double log_shape = 0.0;                  ///< sum of n log phi over bins and wheels
   Eigen::Matrix4d level = Eigen::Matrix4d::Zero();
   double count = 0.0;
 };
@@ -161,6 +188,29 @@ struct CarPosterior::Slopes {
   MatrixXd by_residual, by_road;  ///< dJ = 2 tr(d rows * these)
   MatrixXcd by_softness;          ///< [bin x wheel] dJ = Re sum these d(1 / c)
 };
+
+CarPrior CarPrior::of(const VehicleConfig& vehicle) {
+  constexpr double kStiffness = 0.3, kDamping = 0.5;
+  const Priors known = Priors::of(vehicle);
+  const SensorMap sensors = SensorMap::from(vehicle);
+  CarPrior prior{.geometry = known.geometry,
+                 .value = known.value,
+                 .sigma = known.sigma,
+                 .sensors = sensors.readings,
+                 .gain_sigma = Eigen::VectorXd(std::ssize(sensors.input)),
+                 .noise_m2_s4_hz = 0.0};
+  prior.sigma.head<kSpring>() = known.sigma.head<kSpring>().cwiseQuotient(known.value.head<kSpring>());
+  prior.sigma.segment<kWheels>(kSpring).setConstant(kStiffness);
+  prior.sigma.segment<kTyre - kDamper>(kDamper).setConstant(kDamping);
+  prior.sigma.segment<kWheels>(kTyre).setConstant(kStiffness);
+  for (std::size_t s = 0; s < sensors.input.size(); ++s) {
+    const NodeConfig& node = vehicle.node[static_cast<std::size_t>(sensors.input[s].node)];
+    const ChannelConfig& channel = node.channel[static_cast<std::size_t>(sensors.input[s].channel)];
+    prior.gain_sigma(static_cast<Index>(s)) = channel.gain_sigma;
+  }
+  prior.noise_m2_s4_hz = kLeastNoise_m_s2 * kLeastNoise_m_s2 / vehicle.drive.identification_rate_hz;
+  return prior;
+}
 
 CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMoments*> speeds)
     : prior_(prior),
@@ -177,7 +227,7 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMome
   for (Index c = 0; c < channels_; ++c)
     if (prior.gain_sigma(c) > 0.0) channel_.push_back(c);
   known_ = std::ssize(parameter_) + std::ssize(channel_);
-  size_ = known_ + kSides * kShape;
+  size_ = known_ + kCurves * kShape;
   const Eigen::JacobiSVD<MatrixXd> svd(prior.sensors, Eigen::ComputeFullU | Eigen::ComputeFullV);
   coordinates_ = svd.solve(MatrixXd::Identity(channels_, channels_));
   rigid_ = svd.matrixU().rightCols(channels_ - kCoordinates).transpose();
@@ -239,6 +289,20 @@ CarPosterior::Equations CarPosterior::equations(const VectorXd& v) const {
   return of;
 }
 
+Index CarPosterior::place_of_gain(Index channel) const {
+  const auto found = std::find(channel_.begin(), channel_.end(), channel);
+  return found == channel_.end() ? -1 : std::ssize(parameter_) + (found - channel_.begin());
+}
+
+MatrixXd CarPosterior::wheel_forces(const VectorXd& v) const {
+  const Equations of = equations(v);
+  MatrixXd forces = of.rows.middleRows(residuals_, kWheels);
+  const MatrixXd heights = of.rows.bottomRightCorner(kWheels, channels_);
+  forces.middleCols(channels_, channels_) += of.tyre_damper.asDiagonal() * heights;
+  forces.rightCols(channels_) += of.tyre.asDiagonal() * heights;
+  return forces;
+}
+
 /// Derivative of Equations::rows by an unknown of car or sensors.
 MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Index unknown) const {
   MatrixXd rows = MatrixXd::Zero(of.rows.rows(), of.rows.cols());
@@ -281,8 +345,8 @@ CarPosterior::System CarPosterior::system(const VectorXd& v) const {
   return of;
 }
 
-/// By each unknown of a side's shape [bin].
-std::vector<Eigen::ArrayXd> CarPosterior::log_shape_by(const SpectralMoments& speed) const {
+/// By each unknown of a curve [bin].
+std::vector<Eigen::ArrayXd> CarPosterior::curve_by(const SpectralMoments& speed) const {
   std::vector<Eigen::ArrayXd> by(kShape, Eigen::ArrayXd::Zero(bins_));
   const double speed_m_s = (prior_.geometry.x_m[0] - prior_.geometry.x_m[2]) / speed.delay_s();
   for (Index k = 0; k < bins_; ++k) {
@@ -297,28 +361,29 @@ std::vector<Eigen::ArrayXd> CarPosterior::log_shape_by(const SpectralMoments& sp
   return by;
 }
 
-/// [bin x side]
-MatrixXd CarPosterior::log_shape(const VectorXd& v, const SpectralMoments& speed) const {
-  const std::vector<Eigen::ArrayXd> by = log_shape_by(speed);
+/// log phi of left and right, mixing of sides and of axles [bin x curve]
+MatrixXd CarPosterior::curves(const VectorXd& v, const SpectralMoments& speed) const {
+  const std::vector<Eigen::ArrayXd> by = curve_by(speed);
   const double speed_m_s = (prior_.geometry.x_m[0] - prior_.geometry.x_m[2]) / speed.delay_s();
-  MatrixXd shape(bins_, kSides);
+  MatrixXd curves = MatrixXd::Zero(bins_, kCurves);
   for (Index k = 0; k < bins_; ++k) {
     const double n = omega(k) / (2.0 * std::numbers::pi * speed_m_s);
-    shape.row(k).setConstant(-2.0 * std::log(n / kReference_1_m) -
-                             std::log1p(std::pow(n / kPatchWave_1_m, 2)));
+    curves.row(k).head<kSides>().setConstant(-2.0 * std::log(n / kReference_1_m) -
+                                             std::log1p(std::pow(n / kPatchWave_1_m, 2)));
   }
-  for (int side = 0; side < kSides; ++side)
+  for (int c = 0; c < kCurves; ++c)
     for (int b = 0; b < kShape; ++b)
-      shape.col(side).array() += v(known_ + side * kShape + b) * by[static_cast<std::size_t>(b)];
-  return shape;
+      curves.col(c).array() +=
+          scale_of_curve(c) * v(known_ + c * kShape + b) * by[static_cast<std::size_t>(b)];
+  return curves;
 }
 
 double CarPosterior::prior_value(const VectorXd& v, VectorXd* gradient) const {
   double value = 0.5 * v.head(known_).squaredNorm();
   if (gradient) gradient->head(known_) += v.head(known_);
   static const MatrixXd kDifferences = second_differences();
-  for (int side = 0; side < kSides; ++side) {
-    const Index at = known_ + side * kShape;
+  for (int c = 0; c < kCurves; ++c) {
+    const Index at = known_ + c * kShape;
     const VectorXd bent = kDifferences * v.segment(at + 1, kShape - 1);
     value += 0.5 * v(at) * v(at) + 0.5 * bent.squaredNorm();
     if (!gradient) continue;
@@ -353,7 +418,7 @@ std::vector<CarPosterior::Band> CarPosterior::bands(const System& of) const {
 
 CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v,
                                         const SpectralMoments& speed) const {
-  const MatrixXd shape = log_shape(v, speed);
+  const MatrixXd curves = this->curves(v, speed);
   Roads roads;
   for (Index k = 0; k < bins_; ++k) {
     if (!is_of_road(k) || speed.count(k) <= 0.0) continue;
@@ -364,12 +429,15 @@ CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v,
     u.topRightCorner<2, 2>() =
         bin.to_front * sandwich(of.front_rows, speed.delayed[b], of.rear_rows) * bin.to_rear.adjoint();
     u.bottomLeftCorner<2, 2>() = u.topRightCorner<2, 2>().adjoint().eval();
-    const double left = std::exp(-0.5 * shape(k, 0)), right = std::exp(-0.5 * shape(k, 1));
+    const double left = std::exp(-0.5 * curves(k, 0)), right = std::exp(-0.5 * curves(k, 1));
+    const Eigen::Matrix4d whitening = mixing(curves(k, 2), swap_sides()) *
+                                      mixing(curves(k, 3), swap_axles()) *
+                                      Eigen::Vector4d(left, right, left, right).asDiagonal();
     roads.bins.push_back(k);
     roads.road.push_back(u);
-    roads.scale.emplace_back(left, right, left, right);
-    roads.level += roads.scale.back().asDiagonal() * u.real() * roads.scale.back().asDiagonal();
-    roads.log_shape += 2.0 * speed.count(k) * shape.row(k).sum();
+    roads.whitening.push_back(whitening);
+    roads.level += whitening * u.real() * whitening.transpose();
+    roads.log_shape += 2.0 * speed.count(k) * curves.row(k).head<kSides>().sum();
     roads.count += speed.count(k);
   }
   if (roads.count > 0.0) roads.level /= roads.count;
@@ -428,13 +496,15 @@ double CarPosterior::road_value(const System& of, const VectorXd& v, const Spect
 void CarPosterior::add_road_slopes(const System& of, const SpectralMoments& speed, const Roads& roads,
                                    Slopes& slopes, VectorXd& gradient) const {
   const Eigen::Matrix4d inverse = roads.level.llt().solve(Eigen::Matrix4d::Identity());
-  MatrixXd by_log_shape = MatrixXd::Zero(bins_, kSides);
+  MatrixXd by_curve = MatrixXd::Zero(bins_, kCurves);
+  const std::array<Eigen::Matrix4d, 2> swap{swap_sides(), swap_axles()};
   for (std::size_t at = 0; at < roads.bins.size(); ++at) {
     const Index k = roads.bins[at];
     const auto b = static_cast<std::size_t>(k);
     const Bin& bin = of.bin[b];
     const double n = speed.count(k);
-    const Eigen::Matrix4d weight = roads.scale[at].asDiagonal() * inverse * roads.scale[at].asDiagonal();
+    const Eigen::Matrix4d& whitening = roads.whitening[at];
+    const Eigen::Matrix4d weight = whitening.transpose() * inverse * whitening;
     Eigen::Matrix4d on_axle = weight;
     on_axle.topRightCorner<2, 2>().setZero();
     on_axle.bottomLeftCorner<2, 2>().setZero();
@@ -470,13 +540,16 @@ void CarPosterior::add_road_slopes(const System& of, const SpectralMoments& spee
 
     const Eigen::Matrix4d share = weight.cwiseProduct(roads.road[at].real());
     for (int side = 0; side < kSides; ++side)
-      by_log_shape(k, side) = 2.0 * n - share.row(side).sum() - share.row(side + 2).sum();
+      by_curve(k, side) = 2.0 * n - share.row(side).sum() - share.row(side + 2).sum();
+    const Eigen::Matrix4d white = whitening * roads.road[at].real() * whitening.transpose();
+    for (int m = 0; m < 2; ++m)
+      by_curve(k, kSides + m) = 2.0 * (inverse * swap[static_cast<std::size_t>(m)] * white).trace();
   }
-  const std::vector<Eigen::ArrayXd> by = log_shape_by(speed);
-  for (int side = 0; side < kSides; ++side)
-    for (int s = 0; s < kShape; ++s)
-      gradient(known_ + side * kShape + s) +=
-          (by_log_shape.col(side).array() * by[static_cast<std::size_t>(s)]).sum();
+  const std::vector<Eigen::ArrayXd> by = curve_by(speed);
+  for (int c = 0; c < kCurves; ++c)
+    for (int b = 0; b < kShape; ++b)
+      gradient(known_ + c * kShape + b) +=
+          scale_of_curve(c) * (by_curve.col(c).array() * by[static_cast<std::size_t>(b)]).sum();
 }
 
 void CarPosterior::add_slopes(const System& of, const VectorXd& v, const Slopes& slopes,
@@ -559,7 +632,8 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
                                         const std::vector<MatrixXd>& rows_by, MatrixXd& information) const {
   const Roads roads = this->roads(of, v, speed);
   if (roads.count <= 0.0) return;
-  const std::vector<Eigen::ArrayXd> by = log_shape_by(speed);
+  const std::vector<Eigen::ArrayXd> by = curve_by(speed);
+  const std::array<Eigen::Matrix4d, 2> swap{swap_sides(), swap_axles()};
   const Eigen::Matrix4d lower = roads.level.llt().matrixL();
   const Eigen::Matrix4d upward = lower.inverse();
   // Real rows of L^-1/2 S L^-T/2, so that their products are traces.
@@ -577,17 +651,20 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
       row.tail<kEach / 2>() = std::sqrt(weight) * imaginary.reshaped().transpose();
       means.row(unknown) += weight * real.reshaped().transpose();
     };
-    Eigen::Vector4cd scale = roads.scale[at];
-    scale.tail<2>() *= std::polar(1.0, omega(k) * speed.delay_s());
+    Eigen::Matrix4cd whitening = roads.whitening[at].cast<Complex>();
+    whitening.rightCols<2>() *= std::polar(1.0, omega(k) * speed.delay_s());
+    const Eigen::Matrix4cd back = whitening.inverse();
     for (Index a = 0; a < known_; ++a)
-      put(a, scale.asDiagonal() * road_by(of, k, rows_by[static_cast<std::size_t>(a)], a) *
-                 scale.cwiseInverse().asDiagonal());
-    for (int side = 0; side < kSides; ++side)
-      for (int b = 0; b < kShape; ++b) {
-        Eigen::Vector4cd of_side = Eigen::Vector4cd::Zero();
-        of_side(side) = of_side(side + 2) = -0.5 * by[static_cast<std::size_t>(b)](k);
-        put(known_ + side * kShape + b, of_side.asDiagonal());
-      }
+      put(a, whitening * road_by(of, k, rows_by[static_cast<std::size_t>(a)], a) * back);
+    for (int c = 0; c < kCurves; ++c) {
+      Eigen::Matrix4cd change = Eigen::Matrix4cd::Zero();
+      if (c < kSides)
+        change = -0.5 * whitening.col(c) * back.row(c) - 0.5 * whitening.col(c + 2) * back.row(c + 2);
+      else
+        change = swap[static_cast<std::size_t>(c - kSides)].cast<Complex>();
+      for (int b = 0; b < kShape; ++b)
+        put(known_ + c * kShape + b, scale_of_curve(c) * by[static_cast<std::size_t>(b)](k) * change);
+    }
   }
   information.triangularView<Eigen::Lower>() +=
       signal * signal.transpose() - means * means.transpose() / roads.count;
@@ -596,8 +673,8 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
 void CarPosterior::add_prior_information(MatrixXd& information) const {
   information.diagonal().head(known_).array() += 1.0;
   static const MatrixXd kDifferences = second_differences();
-  for (int side = 0; side < kSides; ++side) {
-    const Index at = known_ + side * kShape;
+  for (int c = 0; c < kCurves; ++c) {
+    const Index at = known_ + c * kShape;
     information(at, at) += 1.0;
     information.block(at + 1, at + 1, kShape - 1, kShape - 1) += kDifferences.transpose() * kDifferences;
   }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "common/config/vehicle_config.hpp"
 #include "common/vehicle/linear_model.hpp"
 #include "host/analysis/identify/spectral_moments.hpp"
 
@@ -20,6 +21,10 @@ struct CarPrior {
   Eigen::MatrixXd sensors;     ///< [channel x 7] reading of each vertical channel per unit of z''
   Eigen::VectorXd gain_sigma;  ///< [channel] of their gains, 1
   double noise_m2_s4_hz;       ///< of a channel, two-sided density: the body's equations fit no better
+
+  /// As vehicle.toml has it.  Springs and tyres are good to 30 %, dampers and stabilisers to 50 %.
+  /// @throws ConfigError as SensorMap::from
+  static CarPrior of(const VehicleConfig& vehicle);
 };
 
 /// The posterior of a car, its sensors and the shape of the road, by the spectra of a drive.
@@ -30,13 +35,15 @@ struct CarPrior {
 ///
 ///     u_i = z_i + F_i / c_i,   c_i = ct_i + j om dt_i.
 ///
-/// The road is Gaussian with E[u u^H] = diag(phi)^1/2 L_s diag(phi)^1/2, L_s real and free for each speed s,
-/// phi_i(n) the shape of wheel i's side, free but smooth in the logarithm of the wave number n = om / (2 pi
-/// V):
+/// The road is Gaussian.  W diag(phi)^-1/2 u has the covariance L_s, real and free for each speed s; phi_i(n)
+/// is the shape of wheel i's side, and W(n) = exp(t X + r Y) lets the coherence of the sides (X swaps left
+/// and right) and of the axles (Y: front and rear) change.  All are free but smooth in the logarithm of the
+/// wave number n = om / (2 pi V):
 ///
-///     log phi = -(2 + a) log(n / 0.6) - log(1 + (n / 4)^2) + b(log n),
+///     log phi = -(2 + a) log(n / 0.6) - log(1 + (n / 4)^2) + b(log n),    t, r = -a log(n / 0.6) + b(log n),
 ///
-/// b piecewise linear between knots, 0 at its ends; e is of one level in each band of 4 Hz.  With n_sk
+/// b piecewise linear between knots, 0 at its ends; what is constant in t and r is in L_s, and det W = 1.  e
+/// is of one level in each band of 4 Hz.  With n_sk
 /// independent segments in bin k, and N_s their sum,
 ///
 ///     J = sum_k n_k e^H (s^2 R R^H)^-1 e + (m - 4) n_k log s^2
@@ -53,13 +60,21 @@ class CarPosterior {
   CarPosterior(const CarPrior& prior, std::vector<const SpectralMoments*> speeds);
 
   /// Unknowns: each of the car's parameters, then each gain, that is not known exactly, x in standard
-  /// deviations of its prior (value e^(sigma x), of tyre dampers value + sigma x); then of the left and of
-  /// the right side a and b at its inner knots.
+  /// deviations of its prior (value e^(sigma x), of tyre dampers value + sigma x); then of the shape of the
+  /// left side, of the right one, and of the mixing of sides and of axles, a and b at its inner knots.
   Eigen::Index size() const { return size_; }
   ParameterVector parameters(const Eigen::VectorXd& v) const;
   Eigen::VectorXd gains(const Eigen::VectorXd& v) const;
   /// Place of a parameter of the car among the unknowns; -1: it is known exactly.
   Eigen::Index place(int parameter) const { return place_.at(static_cast<std::size_t>(parameter)); }
+
+  Eigen::Index place_of_gain(Eigen::Index channel) const;
+  /// Rows of (1) of the four wheels, tyres included, on accelerations, velocities and displacements of the
+  /// channels [4 x 3 m]: what they leave is the unbalances' force and ct_i + j om dt_i times the road.
+  Eigen::MatrixXd wheel_forces(const Eigen::VectorXd& v) const;
+  /// Unknowns of the car and its sensors; those of the road's curves follow.
+  Eigen::Index known() const { return known_; }
+  Eigen::Index channels() const { return channels_; }
 
   /// J; infinite where the car cannot be.
   double value(const Eigen::VectorXd& v) const;
@@ -78,8 +93,8 @@ class CarPosterior {
   Equations equations(const Eigen::VectorXd& v) const;
   Eigen::MatrixXd equations_by(const Eigen::VectorXd& v, const Equations& of, Eigen::Index unknown) const;
   System system(const Eigen::VectorXd& v) const;
-  Eigen::MatrixXd log_shape(const Eigen::VectorXd& v, const SpectralMoments& speed) const;
-  std::vector<Eigen::ArrayXd> log_shape_by(const SpectralMoments& speed) const;
+  Eigen::MatrixXd curves(const Eigen::VectorXd& v, const SpectralMoments& speed) const;
+  std::vector<Eigen::ArrayXd> curve_by(const SpectralMoments& speed) const;
   std::vector<Band> bands(const System& of) const;
   Roads roads(const System& of, const Eigen::VectorXd& v, const SpectralMoments& speed) const;
 

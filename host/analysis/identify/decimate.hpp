@@ -19,7 +19,8 @@ int decimation_factor(const VehicleConfig& vehicle);
 /// One sample at the identification rate.
 struct IdentificationSample {
   SignalVector signals;
-  bool restart = false;  ///< samples are missing before it
+  Eigen::VectorXd readings{};  ///< as SignalRun's
+  bool restart = false;        ///< samples are missing before it
   std::int64_t time_ns = 0;
   std::optional<Eigen::Vector4d> road_m{};  ///< nothing: not measured
 };
@@ -39,7 +40,9 @@ class Decimator {
   void consume(const SignalRun& run);
 
  private:
+  int factor_;
   DecimatingFilter signals_, road_;
+  std::optional<DecimatingFilter> readings_;  ///< once their number is there
   bool restart_ = true;
   Emit emit_;
 };

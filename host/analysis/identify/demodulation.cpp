@@ -30,7 +30,7 @@ Eigen::MatrixXcd lines(const Demodulated& line) {
 
 }  // namespace
 
-Demodulator::Demodulator(Taper taper, double rate_hz) : taper_(std::move(taper)) {
+Demodulator::Demodulator(Taper taper, double rate_hz) : taper_(std::move(taper)), rate_hz_(rate_hz) {
   const Eigen::Index samples = taper_.value.size();
   const double step_hz = rate_hz / static_cast<double>(samples);
   const auto first = static_cast<Eigen::Index>(std::ceil(kSideFromHz / step_hz - 1e-9));
@@ -51,20 +51,23 @@ Demodulator::Demodulator(Taper taper, double rate_hz) : taper_(std::move(taper))
 }
 
 Demodulated Demodulator::operator()(const Eigen::Ref<const SignalMatrix>& signals,
-                                    const Eigen::Vector4d& omega) const {
+                                    const Eigen::Vector4d& omega,
+                                    const Eigen::Ref<const Eigen::ArrayXd>& quiet) const {
   Demodulated result;
   for (int i = 0; i < kWheels; ++i)
     if (omega(i) > 0.0) result.wheels.push_back(i);
   if (result.wheels.empty()) return result;
   const auto n = static_cast<Eigen::Index>(result.wheels.size());
+  const Eigen::ArrayXd window = taper_.value * quiet;
+  result.effective_s = window.sum() * window.sum() / (window.square().sum() * rate_hz_);
   Eigen::MatrixXcd r(n, signals.cols()), down(n, signals.cols());  // [reference x sample]
   for (Eigen::Index k = 0; k < n; ++k) {
     const int wheel = result.wheels[static_cast<std::size_t>(k)];
     r.row(k) =
         signals.row(cosine_row(wheel)).cast<Complex>() + kJ * signals.row(sine_row(wheel)).cast<Complex>();
-    const double power = (r.row(k).cwiseAbs2().array() * taper_.value.transpose()).sum();
+    const double power = (r.row(k).cwiseAbs2().array() * window.transpose()).sum();
     down.row(k) =
-        (r.row(k).conjugate().array() * taper_.value.transpose().cast<Complex>()).matrix() * (2.0 / power);
+        (r.row(k).conjugate().array() * window.transpose().cast<Complex>()).matrix() * (2.0 / power);
   }
   result.Z = down * signals.topRows<kCoordinates>().transpose().cast<Complex>();
   result.overlap = 0.5 * r * down.transpose();

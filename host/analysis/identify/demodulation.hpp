@@ -21,6 +21,7 @@ struct DemodulatedLines {
 
 /// A section demodulated with the angle of each wheel that has one.
 struct Demodulated : DemodulatedLines {
+  double effective_s = 0.0;  ///< length of an even window that lets as much noise in
   Eigen::MatrixXcd down;  ///< [reference x sample] conjugate reference under the taper, gain 1 for a phasor
 };
 
@@ -32,7 +33,12 @@ class Demodulator {
 
   /// @param signals  [kSignals x samples]
   /// @param omega    rotation rate of each wheel, rad/s; 0: it has no reference here
-  Demodulated operator()(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega) const;
+  /// @param quiet    [sample] factor of the taper: 0 where something else shakes the car
+  Demodulated operator()(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
+                         const Eigen::Ref<const Eigen::ArrayXd>& quiet) const;
+  Demodulated operator()(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega) const {
+    return (*this)(signals, omega, Eigen::ArrayXd::Ones(signals.cols()));
+  }
 
   /// Phasors of z'' at the side bins, [bin x coordinate]: the road's, near the line of the first reference.
   Eigen::MatrixXcd beside(const Eigen::Ref<const SignalMatrix>& signals, const Demodulated& line) const;
@@ -41,6 +47,7 @@ class Demodulator {
 
  private:
   Taper taper_;
+  double rate_hz_;
   Eigen::VectorXd side_hz_;
   Eigen::MatrixXd side_wave_;  ///< [cos, sin of each distance x sample] of 2 pi x t
 };

@@ -53,9 +53,19 @@ Eigen::Matrix4cd RoadSpectrum::forces(const LinearModel& model) const {
 
 HarmonicReading HarmonicInstrument::read(const Eigen::Ref<const SignalMatrix>& signals,
                                          const Eigen::Vector4d& omega, double speed_m_s) const {
-  const Demodulated line = demodulator_(signals, omega);
+  return read(signals, omega, speed_m_s, Eigen::MatrixXd(0, signals.cols()),
+              Eigen::ArrayXd::Ones(signals.cols()));
+}
+
+HarmonicReading HarmonicInstrument::read(const Eigen::Ref<const SignalMatrix>& signals,
+                                         const Eigen::Vector4d& omega, double speed_m_s,
+                                         const Eigen::Ref<const Eigen::MatrixXd>& readings,
+                                         const Eigen::Ref<const Eigen::ArrayXd>& quiet) const {
+  const Demodulated line = demodulator_(signals, omega, quiet);
   HarmonicReading reading{.lines = {line, omega, speed_m_s}, .road = {}};
   if (line.wheels.empty()) return reading;
+  reading.readings = line.down * readings.transpose().cast<Complex>();
+  reading.effective_s = line.effective_s;
   const Eigen::MatrixXcd Z = demodulator_.beside(signals, line);  // [side bin x coordinate]
   const Eigen::VectorXd& side_hz = demodulator_.side_hz();
   Eigen::Matrix<Complex, RoadSpectrum::kRows, Eigen::Dynamic> w(RoadSpectrum::kRows, side_hz.size());
@@ -71,10 +81,10 @@ HarmonicReading HarmonicInstrument::read(const Eigen::Ref<const SignalMatrix>& s
   return reading;
 }
 
-HarmonicMoments harmonic_moments(const SectionLines& line, const Geometry& geometry,
-                                 const ParameterVector& parameters, const RoadSpectrum& road,
-                                 RoadShare share) {
-  HarmonicMoments result;
+LineWeights line_weights(const SectionLines& line, const Geometry& geometry,
+                         const ParameterVector& parameters, const RoadSpectrum& road, RoadShare share) {
+  LineWeights result;
+  for (Eigen::Matrix4cd& weight : result.weight) weight.setZero();
   const std::vector<int>& wheels = line.wheels;
   if (wheels.empty()) return result;
   const auto n = static_cast<Eigen::Index>(wheels.size());
@@ -102,11 +112,28 @@ HarmonicMoments harmonic_moments(const SectionLines& line, const Geometry& geome
         S_inverse.transpose() * mean[static_cast<std::size_t>(i)].conjugate() * line.K_inverse;
     for (Eigen::Index j = 0; j < n; ++j) {
       result.normal(wheel(i), wheel(j)) = weight.cwiseProduct(mean[static_cast<std::size_t>(j)]).sum();
-      auto& right = result.right[static_cast<std::size_t>(wheel(i))][static_cast<std::size_t>(wheel(j))];
       for (Eigen::Index k = 0; k < n; ++k)
-        right += weight(j, k) * instrument(line.Z.row(k), line.omega(wheel(k)));
+        result.weight[static_cast<std::size_t>(wheel(i))](wheel(j), wheel(k)) = weight(j, k);
     }
   }
+  return result;
+}
+
+HarmonicMoments harmonic_moments(const SectionLines& line, const Geometry& geometry,
+                                 const ParameterVector& parameters, const RoadSpectrum& road,
+                                 RoadShare share) {
+  const LineWeights weights = line_weights(line, geometry, parameters, road, share);
+  HarmonicMoments result;
+  result.normal = weights.normal;
+  for (const int i : line.wheels)
+    for (const int j : line.wheels) {
+      auto& right = result.right[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+      for (std::size_t k = 0; k < line.wheels.size(); ++k) {
+        const int reference = line.wheels[k];
+        right += weights.weight[static_cast<std::size_t>(i)](j, reference) *
+                 instrument(line.Z.row(static_cast<Eigen::Index>(k)), line.omega(reference));
+      }
+    }
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <utility>
 
 #include <Eigen/Core>
@@ -55,6 +56,8 @@ struct SectionLines : DemodulatedLines {
 struct HarmonicReading {
   SectionLines lines;
   RoadSpectrum road;
+  Eigen::MatrixXcd readings{};  ///< [reference x channel] phasors of what else was given
+  double effective_s = 0.0;     ///< Demodulated's
 };
 
 /// Unbalance by windowed demodulation, with the road cancelled as far as the wheels share it.
@@ -71,9 +74,21 @@ struct HarmonicReading {
 /// front wheels' road and the other way round, exactly as far as their measured coherence goes, and stays
 /// right when wheels turn in step: their unbalances are unknowns of the same equations.
 ///
+/// Weights of these least squares.
+struct LineWeights {
+  Eigen::Matrix4cd normal = Eigen::Matrix4cd::Zero();  ///< of the unbalances
+  /// [unknown wheel] what its equation takes of the force on wheel j (row) at reference k (column).
+  std::array<Eigen::Matrix4cd, kWheels> weight{};
+};
+
 /// @param lines       a section's
 /// @param parameters  present knowledge, for the weights only
 /// @param road        for the weights: of this section and such as are like it
+/// All 0 where nothing shakes the car, or the road shows too few bins.
+LineWeights line_weights(const SectionLines& lines, const Geometry& geometry,
+                         const ParameterVector& parameters, const RoadSpectrum& road, RoadShare share);
+
+/// With line_weights, of the phasors of z''.
 HarmonicMoments harmonic_moments(const SectionLines& lines, const Geometry& geometry,
                                  const ParameterVector& parameters, const RoadSpectrum& road,
                                  RoadShare share);
@@ -89,6 +104,11 @@ class HarmonicInstrument {
   /// @param speed_m_s  of the car
   HarmonicReading read(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
                        double speed_m_s) const;
+  /// @param readings   [channel x samples] of the same filters
+  /// @param quiet      [sample] factor of the taper
+  HarmonicReading read(const Eigen::Ref<const SignalMatrix>& signals, const Eigen::Vector4d& omega,
+                       double speed_m_s, const Eigen::Ref<const Eigen::MatrixXd>& readings,
+                       const Eigen::Ref<const Eigen::ArrayXd>& quiet) const;
 
  private:
   double wheelbase_m_;

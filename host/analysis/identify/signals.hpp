@@ -42,6 +42,8 @@ struct SignalRun {
   bool restart = false;          ///< samples are missing before column 0: filters begin anew
   std::int64_t time_ns = 0;      ///< node time of the last column
   SignalMatrix samples;
+  /// Of each of SensorMap's inputs, m/s^2, a column a sample; the same filters passed.
+  Eigen::MatrixXd readings{};
   /// The same filters passed; no columns: the road was not measured.
   RoadMatrix road_m{};
 };

@@ -51,7 +51,9 @@ SpectralGatherer::SpectralGatherer(double wheelbase_m, double rate_hz)
 }
 
 SpectralMoments SpectralGatherer::moments(const Eigen::Ref<const Eigen::MatrixXd>& motion,
-                                          const Eigen::Vector4d& omega, double speed_m_s) {
+                                          const Eigen::Ref<const Eigen::ArrayXd>& distance_m,
+                                          const Eigen::Ref<const Eigen::ArrayXd>& quiet,
+                                          const Eigen::Vector4d& omega) {
   SpectralMoments sum;
   const Index size = fft_.size();
   if (motion.cols() < size) return sum;
@@ -64,8 +66,12 @@ SpectralMoments SpectralGatherer::moments(const Eigen::Ref<const Eigen::MatrixXd
   sum.delayed = sum.same;
   const std::vector<bool> masked = bins_with_lines(bins, sum.first, sum.step_hz, omega);
   const HannSegments segments = HannSegments::over(motion.cols(), size);
-  for (const Index begin : segments.begin)
+  for (const Index begin : segments.begin) {
+    if ((quiet.segment(begin, size) == 0.0).any()) continue;
+    const double speed_m_s =
+        (distance_m(begin + size - 1) - distance_m(begin)) * rate_hz_ / static_cast<double>(size - 1);
     add_segment(sum, motion.middleCols(begin, size), masked, segments.weight, wheelbase_m_ / speed_m_s);
+  }
   return sum;
 }
 

@@ -40,12 +40,14 @@ class SpectralGatherer {
  public:
   SpectralGatherer(double wheelbase_m, double rate_hz);
 
-  /// Segments evenly over the whole; fewer samples than one segment: nothing.
-  /// @param motion     [3 m x samples] of MotionIntegrals, settled, at a steady speed
-  /// @param omega      rotation rate of each wheel, rad/s; 0: it has no line
-  /// @param speed_m_s  of the car
-  SpectralMoments moments(const Eigen::Ref<const Eigen::MatrixXd>& motion, const Eigen::Vector4d& omega,
-                          double speed_m_s);
+  /// Segments evenly over the whole, but for those with a sample that is not quiet.
+  /// @param motion      [3 m x samples] of MotionIntegrals, settled, at a steady speed
+  /// @param distance_m  [sample] along the road
+  /// @param quiet       [sample] 0: not to be used
+  /// @param omega       rotation rate of each wheel, rad/s; 0: it has no line
+  SpectralMoments moments(const Eigen::Ref<const Eigen::MatrixXd>& motion,
+                          const Eigen::Ref<const Eigen::ArrayXd>& distance_m,
+                          const Eigen::Ref<const Eigen::ArrayXd>& quiet, const Eigen::Vector4d& omega);
 
  private:
   void add_segment(SpectralMoments& sum, const Eigen::Ref<const Eigen::MatrixXd>& motion,

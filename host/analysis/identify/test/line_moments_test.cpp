@@ -1,0 +1,78 @@
+#include "host/analysis/identify/line_moments.hpp"
+
+#include <gtest/gtest.h>
+
+#include "host/analysis/identify/car_posterior.hpp"
+#include "tools/study/estimator_trial.hpp"
+#include "tools/study/ideal_drive.hpp"
+
+namespace roadbalance {
+namespace {
+
+constexpr std::uint64_t kSeed = 4;
+
+Stretch drive(const VehicleConfig& vehicle) {
+  const IdealDrive ideal{
+      .scenario = sim::Scenario::read("", vehicle), .speeds_m_s = {30.0}, .samples = 10000};
+  return drive_ideally(ideal, kSeed, vehicle).front();
+}
+
+// What the channels give, by their map to the seven coordinates, is what the coordinates themselves give.
+TEST(LineMoments, ChannelsGiveTheForcesOfTheCoordinates) {
+  const VehicleConfig vehicle = demo_vehicle();
+  const CarPrior prior = CarPrior::of(vehicle);
+  const Stretch stretch = drive(vehicle);
+  LineReader reader(prior.geometry, stretch.rate_hz);
+  const LineReading section =
+      reader.read(stretch.signals, stretch.readings, Eigen::ArrayXd::Ones(stretch.signals.cols()),
+                  stretch.omega, stretch.speed_m_s);
+  const LineMoments lines = line_moments(section, section.density(), prior.geometry, prior.value);
+  const HarmonicMoments harmonic = harmonic_moments(section.reading.lines, prior.geometry, prior.value,
+                                                    section.reading.road, RoadShare::kShared);
+  EXPECT_LT((lines.normal - harmonic.normal).norm(), 1e-9 * harmonic.normal.norm());
+
+  SpectralMoments empty;
+  empty.step_hz = 0.25;
+  empty.first = 3;
+  empty.segments = 1.0;
+  empty.delay_seconds = 0.1;
+  empty.count.setZero(1);
+  empty.same.assign(1, Eigen::MatrixXcd::Zero(3 * prior.sensors.rows(), 3 * prior.sensors.rows()));
+  empty.delayed = empty.same;
+  const CarPosterior car(prior, {&empty});
+  const Eigen::Vector4cd b = lines.right_sides(car.wheel_forces(Eigen::VectorXd::Zero(car.size())));
+  const LinearModel model = linear_model(prior.geometry, prior.value);
+  for (int i = 0; i < kWheels; ++i) {
+    std::complex<double> expected = 0.0;
+    for (int j = 0; j < kWheels; ++j)
+      expected += harmonic.right[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)].force(
+          model, kBodyCoordinates + j);
+    EXPECT_LT(std::abs(b(i) - expected), 1e-8 * std::abs(expected)) << i;
+  }
+}
+
+// Half of a section that is not quiet leaves the line where it is, and half of its weight.
+TEST(LineMoments, WhatIsNotQuietIsLeftOut) {
+  const VehicleConfig vehicle = demo_vehicle();
+  const CarPrior prior = CarPrior::of(vehicle);
+  Stretch stretch = drive(vehicle);
+  const Eigen::Index half = stretch.signals.cols() / 2;
+  Eigen::ArrayXd quiet = Eigen::ArrayXd::Ones(stretch.signals.cols());
+  quiet.tail(half).setZero();
+  LineReader reader(prior.geometry, stretch.rate_hz);
+  const auto read = [&] {
+    return reader.read(stretch.signals, stretch.readings, quiet, stretch.omega, stretch.speed_m_s);
+  };
+  const LineReading before = read();
+  stretch.readings.rightCols(half).setConstant(1e6);
+  stretch.signals.topRightCorner(kCoordinates, half).setConstant(1e6);
+  const LineReading after = read();
+  EXPECT_EQ(before.reading.readings, after.reading.readings);
+  EXPECT_DOUBLE_EQ(before.seconds, 0.5 * static_cast<double>(stretch.signals.cols()) / stretch.rate_hz);
+  const LineMoments lines = line_moments(after, after.density(), prior.geometry, prior.value);
+  const LineMoments same = line_moments(before, after.density(), prior.geometry, prior.value);
+  EXPECT_EQ(lines.normal, same.normal);
+}
+
+}  // namespace
+}  // namespace roadbalance

@@ -1,0 +1,106 @@
+#include "host/analysis/identify/unbalance_posterior.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "host/analysis/identify/unbalances.hpp"
+
+namespace roadbalance {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kAxes = 2 * kWheels;  ///< Re, Im of each wheel
+using Axes = Eigen::Matrix<double, kAxes, kAxes>;
+using AxesVector = Eigen::Matrix<double, kAxes, 1>;
+
+AxesVector axes(const Eigen::Vector4cd& phasors) {
+  AxesVector parts;
+  for (int i = 0; i < kWheels; ++i) parts.segment<2>(2 * i) << phasors(i).real(), phasors(i).imag();
+  return parts;
+}
+
+/// As a real matrix on [Re, Im].
+Axes axes(const Eigen::Matrix4cd& matrix) {
+  Axes all;
+  for (int i = 0; i < kWheels; ++i)
+    for (int j = 0; j < kWheels; ++j) {
+      const std::complex<double> c = matrix(i, j);
+      all.block<2, 2>(2 * i, 2 * j) << c.real(), -c.imag(), c.imag(), c.real();
+    }
+  return all;
+}
+
+std::complex<double> phasor(const VectorXd& parts, Index at) {
+  return {parts(at), parts(at + 1)};
+}
+
+}  // namespace
+
+UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorMode& mode,
+                                       const std::map<int, LineMoments>& lines) {
+  constexpr double kStep = 1e-3;  // of a standard deviation, for differences: forces are almost linear
+  const Index known = car.known();
+  const MatrixXd forces = car.wheel_forces(mode.v);
+  std::vector<MatrixXd> forces_by;
+  for (Index a = 0; a < known; ++a) {
+    VectorXd moved = mode.v;
+    moved(a) += kStep;
+    forces_by.push_back((car.wheel_forces(moved) - forces) / kStep);
+  }
+
+  // Unknowns: U, then R by axes, then v - v_0.
+  const Index size = 2 * kAxes + known;
+  MatrixXd information = MatrixXd::Zero(size, size);
+  VectorXd right = VectorXd::Zero(size);
+  information.diagonal().segment<kAxes>(kAxes).setConstant(1.0 / (kRadialForceSigma_n * kRadialForceSigma_n));
+  information.bottomRightCorner(known, known) = mode.covariance.topLeftCorner(known, known).inverse();
+  AxesVector squares = AxesVector::Zero(), fourths = AxesVector::Zero();
+  for (const auto& [speed, moments] : lines) {
+    if (moments.normal.isZero()) continue;
+    const AxesVector omega = moments.omega()(Eigen::ArrayXi::LinSpaced(kAxes, 0, kAxes - 1) / 2);
+    const AxesVector square = omega.cwiseAbs2();
+    squares += moments.seconds * square;
+    fourths += moments.seconds * square.cwiseAbs2();
+    // Each component of circular noise has half of its variance.
+    const Axes normal = 2.0 * axes(moments.normal);
+    const Axes scatter = axes(inverse_where_known(moments.normal)) / 2.0;
+    MatrixXd by(kAxes, size);  // what is to explain N y
+    const AxesVector inverse_square = (square.array() > 0.0).select(square.cwiseInverse(), 0.0);
+    by.leftCols<kAxes>() = normal;
+    by.middleCols<kAxes>(kAxes) = normal * inverse_square.asDiagonal();
+    for (Index a = 0; a < known; ++a)
+      by.col(2 * kAxes + a) = -2.0 * axes(moments.right_sides(forces_by[static_cast<std::size_t>(a)]));
+    information += by.transpose() * scatter * by;
+    right += by.transpose() * scatter * (2.0 * axes(moments.right_sides(forces)));
+  }
+  // Kilogram metres are small beside newtons: all in standard deviations.
+  const VectorXd scale =
+      (information.diagonal().array() > 0.0).select(information.diagonal().cwiseSqrt().cwiseInverse(), 1.0);
+  const Eigen::LDLT<MatrixXd> solver(scale.asDiagonal() * information * scale.asDiagonal());
+  const MatrixXd covariance =
+      scale.asDiagonal() * solver.solve(MatrixXd::Identity(size, size)) * scale.asDiagonal();
+  const VectorXd found = covariance * right;
+
+  UnbalancePosterior result;
+  result.v = mode.v.head(known) + found.tail(known);
+  result.covariance = covariance.bottomRightCorner(known, known);
+  for (int i = 0; i < kWheels; ++i) {
+    WheelFirstOrder& wheel = result.wheel[static_cast<std::size_t>(i)];
+    const Index u = 2 * i, r = kAxes + 2 * i;
+    wheel.unbalance_kg_m = phasor(found, u);
+    wheel.unbalance_covariance = covariance.block<2, 2>(u, u);
+    wheel.force_n = phasor(found, r);
+    wheel.force_covariance = covariance.block<2, 2>(r, r);
+    const double share = fourths(u) > 0.0 ? squares(u) / fourths(u) : 0.0;
+    wheel.correction_kg_m = wheel.unbalance_kg_m + share * wheel.force_n;
+    const Eigen::Matrix2d crossed = covariance.block<2, 2>(u, r);
+    wheel.correction_covariance = wheel.unbalance_covariance + share * (crossed + crossed.transpose()) +
+                                  share * share * wheel.force_covariance;
+  }
+  return result;
+}
+
+}  // namespace roadbalance
