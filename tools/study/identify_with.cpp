@@ -46,18 +46,17 @@ Told ask(const std::string& name, const Question& question, const std::string& f
   return told;
 }
 
-void refuse_without_road(const std::string& name, const VehicleConfig& vehicle) {
-  for (const EstimatorKind& kind : estimators())
-    if (kind.name == name && kind.road_measured && !measures_road(vehicle))
-      throw ConfigError(
-          "estimator " + name +
-          " needs a measured road: this record's vehicle.toml has no channel of role road at every "
-          "wheel");
+void refuse_without_road(const EstimatorKind& kind, const VehicleConfig& vehicle) {
+  if (kind.road_measured && !measures_road(vehicle))
+    throw ConfigError(
+        "estimator " + kind.name +
+        " needs a measured road: this record's vehicle.toml has no channel of role road at every "
+        "wheel");
 }
 
 Question of_suspension(const VehicleConfig& vehicle) {
-  Question question{geometry_of(vehicle.model), nominal_parameters(vehicle), suspension_unknowns()};
-  return question;
+  return {geometry_of(vehicle.model), nominal_parameters(vehicle), suspension_unknowns(),
+          CarPrior::of(vehicle)};
 }
 
 /// Tyres and the unbalances of wheels with an encoder, with the identified suspension.
@@ -72,6 +71,12 @@ Question of_wheels(const VehicleConfig& vehicle, const EstimatorAnswer& suspensi
     question.asked.set(kEstimatedUnbalance + 2 * i);
     question.asked.set(kEstimatedUnbalance + 2 * i + 1);
   }
+  return question;
+}
+
+Question of_car(const VehicleConfig& vehicle) {
+  Question question = of_suspension(vehicle);
+  question.asked |= of_wheels(vehicle, {}).asked;
   return question;
 }
 
@@ -171,15 +176,17 @@ void print_wheels(const EstimatorAnswer& answer, const VehicleConfig& vehicle) {
 
 int identify_with(const std::string& estimator, const std::string& folder, bool refine, bool json) {
   const VehicleConfig vehicle = vehicle_of_recording(folder);
-  refuse_without_road(estimator, vehicle);
+  const EstimatorKind& kind = estimator_kind(estimator);
+  refuse_without_road(kind, vehicle);
   const bool chassis = estimator == "chassis";
-  if (!chassis) make_estimator(estimator, of_suspension(vehicle));  // before the drive is read: the name
   RecordingDefects defects;
-  const Told suspension = ask("chassis", of_suspension(vehicle), folder, refine, defects);
+  const Told suspension = kind.whole_car ? ask(estimator, of_car(vehicle), folder, refine, defects)
+                                         : ask("chassis", of_suspension(vehicle), folder, refine, defects);
   warn_of_defects("identify", folder, defects);
-  Told told =
-      chassis ? suspension : ask(estimator, of_wheels(vehicle, suspension.answer), folder, refine, defects);
-  if (!chassis) {
+  Told told = chassis || kind.whole_car
+                  ? suspension
+                  : ask(estimator, of_wheels(vehicle, suspension.answer), folder, refine, defects);
+  if (!chassis && !kind.whole_car) {
     remark_on_tyres(told.answer);
     told.answer.diagnostics.emplace_back("± takes springs, dampers and stabilisers as told here for exact");
   }

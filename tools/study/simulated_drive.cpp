@@ -12,9 +12,9 @@
 
 namespace roadbalance {
 
-DriveEstimate identify_simulated_drive(const VehicleConfig& vehicle, const std::string& address,
-                                       const std::vector<double>& converter_ppm) {
-  DriveEstimator estimator(vehicle);
+void simulate_drive(const VehicleConfig& vehicle, const std::string& address,
+                    const std::vector<double>& converter_ppm,
+                    const std::function<void(const SealedBlock&)>& consume) {
   Parallel nodes;  // side by side, so that no node's blocks pile up while they wait for another's
   std::vector<In<SealedBlock>> blocks;
   for (std::size_t n = 0; n < vehicle.node.size(); ++n) {
@@ -34,10 +34,17 @@ DriveEstimate identify_simulated_drive(const VehicleConfig& vehicle, const std::
   for (bool more = true; std::exchange(more, false);)
     for (auto& in : blocks)
       if (const auto block = in.receive()) {
-        estimator.consume(*block);
+        consume(*block);
         more = true;
       }
   nodes.wait();
+}
+
+DriveEstimate identify_simulated_drive(const VehicleConfig& vehicle, const std::string& address,
+                                       const std::vector<double>& converter_ppm) {
+  DriveEstimator estimator(vehicle);
+  simulate_drive(vehicle, address, converter_ppm,
+                 [&](const SealedBlock& block) { estimator.consume(block); });
   return estimator.estimate();
 }
 

@@ -12,6 +12,7 @@
 #include "tools/study/exact_studies.hpp"
 #include "tools/study/fig3.hpp"
 #include "tools/study/ideal_studies.hpp"
+#include "tools/study/real_studies.hpp"
 #include "tools/study/study.hpp"
 
 namespace roadbalance {
@@ -141,7 +142,8 @@ std::span<const Study> studies() {
     std::vector<Study> all{fig3_study(),         fig4_study(),         influences_study(),
                            estimators_study(),   cancellation_study(), parameters_study(),
                            quantisation_study(), radial_force_study(), coverage_study(),
-                           end_to_end_study(),   equations_study(),    many_drives_study()};
+                           hazards_study(),      real_road_study(),    end_to_end_study(),
+                           equations_study(),    many_drives_study()};
     for (Study& study : old_studies()) all.push_back(std::move(study));
     return all;
   }();

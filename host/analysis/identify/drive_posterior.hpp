@@ -49,7 +49,7 @@ class DrivePosterior {
 
   CarPrior prior_;
   std::optional<SpectralGatherer> spectra_;
-  std::optional<LineReader> reader_;
+  std::optional<HarmonicReader> reader_;
   std::map<int, SpectralMoments> speeds_;  ///< by class
   std::vector<Lines> lines_;
   double cut_s_ = 0.0;

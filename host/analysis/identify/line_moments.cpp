@@ -36,7 +36,7 @@ RoadSpectrum LineReading::density() const {
   return density;
 }
 
-const HarmonicInstrument& LineReader::instrument(Eigen::Index samples) {
+const HarmonicInstrument& HarmonicReader::instrument(Eigen::Index samples) {
   const auto found = instruments_.find(samples);
   if (found != instruments_.end()) return found->second;
   const double share = std::min(0.5, kRise_s * rate_hz_ / static_cast<double>(samples));
@@ -45,7 +45,7 @@ const HarmonicInstrument& LineReader::instrument(Eigen::Index samples) {
       .first->second;
 }
 
-LineReading LineReader::read(const Eigen::Ref<const SignalMatrix>& signals,
+LineReading HarmonicReader::read(const Eigen::Ref<const SignalMatrix>& signals,
                              const Eigen::Ref<const Eigen::MatrixXd>& readings,
                              const Eigen::Ref<const Eigen::ArrayXd>& quiet, const Eigen::Vector4d& omega,
                              double speed_m_s) {

@@ -39,9 +39,9 @@ struct LineReading {
 };
 
 /// Reads sections of steady speed.
-class LineReader {
+class HarmonicReader {
  public:
-  LineReader(const Geometry& geometry, double rate_hz) : geometry_(geometry), rate_hz_(rate_hz) {}
+  HarmonicReader(const Geometry& geometry, double rate_hz) : geometry_(geometry), rate_hz_(rate_hz) {}
 
   /// @param signals    [kSignals x samples]
   /// @param readings   [channel x samples] m/s^2 of the vertical channels, the same filters passed

@@ -7,6 +7,7 @@
 #include "host/analysis/identify/estimators/correlation.hpp"
 #include "host/analysis/identify/estimators/harmonic_ml.hpp"
 #include "host/analysis/identify/estimators/paper.hpp"
+#include "host/analysis/identify/estimators/posterior.hpp"
 #include "host/analysis/identify/estimators/two_stage.hpp"
 
 namespace roadbalance {
@@ -20,21 +21,25 @@ bool Question::asks_for_suspension() const {
 std::span<const EstimatorKind> estimators() {
   static const std::vector<EstimatorKind> kAll = [] {
     std::vector<EstimatorKind> all;
-    for (const auto kinds :
-         {paper_kinds, own_past_kinds, harmonic_kinds, correlation_kinds, two_stage_kinds, chassis_kinds})
+    for (const auto kinds : {paper_kinds, own_past_kinds, harmonic_kinds, correlation_kinds, two_stage_kinds,
+                             posterior_kinds, chassis_kinds})
       for (EstimatorKind& kind : kinds()) all.push_back(std::move(kind));
     return all;
   }();
   return kAll;
 }
 
-std::unique_ptr<Estimator> make_estimator(const std::string& name, const Question& question) {
+const EstimatorKind& estimator_kind(const std::string& name) {
   std::string names;
   for (const EstimatorKind& kind : estimators()) {
-    if (kind.name == name) return kind.make(question);
+    if (kind.name == name) return kind;
     names += (names.empty() ? "" : ", ") + kind.name;
   }
   throw ConfigError("estimator " + name + ": there is none of this name; allowed: " + names);
+}
+
+std::unique_ptr<Estimator> make_estimator(const std::string& name, const Question& question) {
+  return estimator_kind(name).make(question);
 }
 
 }  // namespace roadbalance

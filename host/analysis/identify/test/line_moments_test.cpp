@@ -22,7 +22,7 @@ TEST(LineMoments, ChannelsGiveTheForcesOfTheCoordinates) {
   const VehicleConfig vehicle = demo_vehicle();
   const CarPrior prior = CarPrior::of(vehicle);
   const Stretch stretch = drive(vehicle);
-  LineReader reader(prior.geometry, stretch.rate_hz);
+  HarmonicReader reader(prior.geometry, stretch.rate_hz);
   const LineReading section =
       reader.read(stretch.signals, stretch.readings, Eigen::ArrayXd::Ones(stretch.signals.cols()),
                   stretch.omega, stretch.speed_m_s);
@@ -59,7 +59,7 @@ TEST(LineMoments, WhatIsNotQuietIsLeftOut) {
   const Eigen::Index half = stretch.signals.cols() / 2;
   Eigen::ArrayXd quiet = Eigen::ArrayXd::Ones(stretch.signals.cols());
   quiet.tail(half).setZero();
-  LineReader reader(prior.geometry, stretch.rate_hz);
+  HarmonicReader reader(prior.geometry, stretch.rate_hz);
   const auto read = [&] {
     return reader.read(stretch.signals, stretch.readings, quiet, stretch.omega, stretch.speed_m_s);
   };
