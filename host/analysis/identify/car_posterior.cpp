@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -100,16 +101,6 @@ constexpr double scale_of_curve(int curve) {
   return curve < kSides ? 1.0 : kMixing;
 }
 
-/// Velocity and displacement per acceleration at a circular frequency, a block of channels each.
-MatrixXcd integrals(Index channels, double omega) {
-  MatrixXcd all = MatrixXcd::Zero(3 * channels, channels);
-  const auto unit = MatrixXcd::Identity(channels, channels);
-  all.topRows(channels) = unit;
-  all.middleRows(channels, channels) = unit / (kJ * omega);
-  all.bottomRows(channels) = -unit / (omega * omega);
-  return all;
-}
-
 }  // namespace
 
 /// Rows on [y; integral y; double integral y]: the body's residuals, forces on the wheels without tyres,
@@ -123,7 +114,7 @@ struct CarPosterior::Equations {
 
 /// The equations at one frequency.
 struct CarPosterior::Bin {
-  MatrixXcd integral;         ///< [3 channels x channels]
+  MatrixXcd integral;         ///< [motion x channels]
   MatrixXcd residual;         ///< R
   MatrixXcd force;            ///< [4 x channels]
   Eigen::Vector4cd softness;  ///< 1 / c
@@ -136,8 +127,8 @@ struct CarPosterior::Bin {
   MatrixXcd weight;         ///< (R R^H)^-1
   double log_determinant;   ///< log det R R^H - 2 log |det [U; R]|
 
-  Bin(const Equations& of, Index residuals, Index channels, double omega)
-      : integral(integrals(channels, omega)) {
+  Bin(const Equations& of, Index residuals, Index channels, double omega, MatrixXcd integral_of)
+      : integral(std::move(integral_of)) {
     residual = rows_of(of.rows.topRows(residuals), integral);
     force = rows_of(of.rows.middleRows(residuals, kWheels), integral);
     for (Index i = 0; i < kWheels; ++i) softness(i) = 1.0 / of.tyre_at(i, omega);
@@ -208,6 +199,9 @@ CarPrior CarPrior::of(const VehicleConfig& vehicle) {
     const ChannelConfig& channel = node.channel[static_cast<std::size_t>(sensors.input[s].channel)];
     prior.gain_sigma(static_cast<Index>(s)) = channel.gain_sigma;
   }
+  prior.friction_sigma_n = 50.0;
+  prior.rebound_sigma = 0.5;
+  prior.strut_sigma = 0.2;
   prior.noise_m2_s4_hz = kLeastNoise_m_s2 * kLeastNoise_m_s2 / vehicle.drive.identification_rate_hz;
   return prior;
 }
@@ -216,6 +210,7 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMome
     : prior_(prior),
       speeds_(std::move(speeds)),
       channels_(prior.sensors.rows()),
+      motion_(3 * channels_ + kStrutSignals),
       bins_(speeds_.front()->bins()),
       residuals_(channels_ - kWheels),
       known_(0) {
@@ -227,18 +222,22 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMome
   for (Index c = 0; c < channels_; ++c)
     if (prior.gain_sigma(c) > 0.0) channel_.push_back(c);
   known_ = std::ssize(parameter_) + std::ssize(channel_);
+  if (prior.friction_sigma_n > 0.0) friction_ = std::exchange(known_, known_ + kWheels);
+  if (prior.rebound_sigma > 0.0) rebound_ = std::exchange(known_, known_ + kWheels);
+  if (prior.strut_sigma > 0.0) strut_ = known_++;
   size_ = known_ + kCurves * kShape;
   const Eigen::JacobiSVD<MatrixXd> svd(prior.sensors, Eigen::ComputeFullU | Eigen::ComputeFullV);
   coordinates_ = svd.solve(MatrixXd::Identity(channels_, channels_));
   rigid_ = svd.matrixU().rightCols(channels_ - kCoordinates).transpose();
   count_.setZero(bins_);
-  same_.assign(static_cast<std::size_t>(bins_), MatrixXcd::Zero(3 * channels_, 3 * channels_));
+  same_.assign(static_cast<std::size_t>(bins_), MatrixXcd::Zero(motion_, motion_));
   for (const SpectralMoments* speed : speeds_) {
     count_ += speed->count;
     for (Index k = 0; k < bins_ && is_of_body(k); ++k)
       same_[static_cast<std::size_t>(k)] += speed->same[static_cast<std::size_t>(k)];
   }
   scale_ << prior.value(kBodyMass), prior.value(kRollInertia), prior.value(kPitchInertia);
+  linearise_struts();
 }
 
 ParameterVector CarPosterior::parameters(const VectorXd& v) const {
@@ -274,7 +273,7 @@ CarPosterior::Equations CarPosterior::equations(const VectorXd& v) const {
   const LinearModel model = linear_model(prior_.geometry, without_tyres);
   const Eigen::ArrayXd gain = gains(v).array().inverse();
   const MatrixXd coordinates = coordinates_ * gain.matrix().asDiagonal();
-  Equations of{MatrixXd::Zero(residuals_ + kRows, 3 * channels_), parameters.segment<kWheels>(kTyre),
+  Equations of{MatrixXd::Zero(residuals_ + kRows, motion_), parameters.segment<kWheels>(kTyre),
                parameters.segment<kWheels>(kTyreDamper)};
   const std::array<const Matrix7*, 3> matrix{&model.M, &model.P, &model.Q};
   for (int k = 0; k < 3; ++k) {
@@ -285,8 +284,60 @@ CarPosterior::Equations CarPosterior::equations(const VectorXd& v) const {
   }
   of.rows.block(kBodyCoordinates, 0, residuals_ - kBodyCoordinates, channels_) =
       rigid_ * gain.matrix().asDiagonal();
-  of.rows.bottomRightCorner(kWheels, channels_) = coordinates.bottomRows(kWheels);
+  of.rows.block(residuals_ + kWheels, 2 * channels_, kWheels, channels_) = coordinates.bottomRows(kWheels);
+  of.rows.rightCols(kStrutSignals) << strut_columns(friction_n(v)),
+      strut_columns(rebound(v).cwiseProduct(parameters.segment<kWheels>(kDamper)));
+  strut_rows(of.rows) *= strut_scale(v);
   return of;
+}
+
+/// Forces of the struts onto the rows of body and wheels.
+MatrixXd CarPosterior::strut_columns(const Eigen::Vector4d& force) const {
+  const Eigen::Matrix<double, kCoordinates, kWheels> onto = stretch_.transpose() * force.asDiagonal();
+  MatrixXd columns = MatrixXd::Zero(residuals_ + kRows, kWheels);
+  columns.topRows(kBodyCoordinates) = scale_.cwiseInverse().asDiagonal() * onto.topRows(kBodyCoordinates);
+  columns.middleRows(residuals_, kWheels) = onto.bottomRows(kWheels);
+  return columns;
+}
+
+/// Motion per acceleration of the channels at a circular frequency.
+MatrixXcd CarPosterior::integrals(double omega) const {
+  MatrixXcd all = MatrixXcd::Zero(motion_, channels_);
+  const auto unit = MatrixXcd::Identity(channels_, channels_);
+  all.topRows(channels_) = unit;
+  all.middleRows(channels_, channels_) = unit / (kJ * omega);
+  all.middleRows(2 * channels_, channels_) = -unit / (omega * omega);
+  const MatrixXd strut = linear_ * stretch_ * coordinates_;
+  all.bottomRows(kStrutSignals) = strut / (kJ * omega);
+  return all;
+}
+
+Eigen::Vector4d CarPosterior::friction_n(const VectorXd& v) const {
+  if (friction_ < 0) return Eigen::Vector4d::Zero();
+  return prior_.friction_sigma_n * v.segment<kWheels>(friction_);
+}
+
+Eigen::Vector4d CarPosterior::rebound(const VectorXd& v) const {
+  if (rebound_ < 0) return Eigen::Vector4d::Zero();
+  return prior_.rebound_sigma * v.segment<kWheels>(rebound_);
+}
+
+/// What of the struts' signals a linear element would do as well, by the drive.
+void CarPosterior::linearise_struts() {
+  stretch_ = strut_stretch(prior_.geometry);
+  linear_.setZero();
+  MatrixXd rates = MatrixXd::Zero(kWheels, motion_);
+  rates.middleCols(channels_, channels_) = stretch_ * coordinates_;
+  Eigen::Matrix<double, kStrutSignals, kWheels> with = linear_;
+  Eigen::Vector4d power = Eigen::Vector4d::Zero();
+  for (Index k = 0; k < bins_ && is_of_body(k); ++k) {
+    const MatrixXd x = same_[static_cast<std::size_t>(k)].real();
+    with += x.bottomRows(kStrutSignals) * rates.transpose();
+    power += (rates * x * rates.transpose()).diagonal();
+  }
+  for (int i = 0; i < kWheels; ++i)
+    if (power(i) > 0.0)
+      for (const int row : {i, kWheels + i}) linear_(row, i) = with(row, i) / power(i);
 }
 
 Index CarPosterior::place_of_gain(Index channel) const {
@@ -294,18 +345,46 @@ Index CarPosterior::place_of_gain(Index channel) const {
   return found == channel_.end() ? -1 : std::ssize(parameter_) + (found - channel_.begin());
 }
 
+/// Of the struts' forces in the wheels' rows.
+double CarPosterior::strut_scale(const VectorXd& v) const {
+  return strut_ < 0 ? 1.0 : std::exp(prior_.strut_sigma * v(strut_));
+}
+
+Eigen::Block<MatrixXd> CarPosterior::strut_rows(MatrixXd& rows) const {
+  return rows.block(residuals_, channels_, kWheels, motion_ - channels_);
+}
+
 MatrixXd CarPosterior::wheel_forces(const VectorXd& v) const {
-  const Equations of = equations(v);
+  Equations of = equations(v);
+  strut_rows(of.rows) /= strut_scale(v);
   MatrixXd forces = of.rows.middleRows(residuals_, kWheels);
-  const MatrixXd heights = of.rows.bottomRightCorner(kWheels, channels_);
+  const MatrixXd heights = of.rows.block(residuals_ + kWheels, 2 * channels_, kWheels, channels_);
   forces.middleCols(channels_, channels_) += of.tyre_damper.asDiagonal() * heights;
-  forces.rightCols(channels_) += of.tyre.asDiagonal() * heights;
+  forces.middleCols(2 * channels_, channels_) += of.tyre.asDiagonal() * heights;
   return forces;
 }
 
 /// Derivative of Equations::rows by an unknown of car or sensors.
 MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Index unknown) const {
   MatrixXd rows = MatrixXd::Zero(of.rows.rows(), of.rows.cols());
+  if (strut_ >= 0 && unknown == strut_) {
+    MatrixXd all = of.rows;
+    strut_rows(rows) = prior_.strut_sigma * strut_rows(all);
+    return rows;
+  }
+  if (friction_ >= 0 && unknown >= friction_ && unknown < friction_ + kWheels) {
+    rows.middleCols(3 * channels_, kWheels) =
+        strut_columns(prior_.friction_sigma_n * Eigen::Vector4d::Unit(unknown - friction_));
+    strut_rows(rows) *= strut_scale(v);
+    return rows;
+  }
+  if (rebound_ >= 0 && unknown >= rebound_ && unknown < rebound_ + kWheels) {
+    const Index i = unknown - rebound_;
+    rows.rightCols(kWheels) =
+        strut_columns(prior_.rebound_sigma * parameters(v)(kDamper + i) * Eigen::Vector4d::Unit(i));
+    strut_rows(rows) *= strut_scale(v);
+    return rows;
+  }
   if (unknown >= std::ssize(parameter_)) {
     const Index c = channel_[static_cast<std::size_t>(unknown - std::ssize(parameter_))];
     for (int k = 0; k < 3; ++k)
@@ -324,6 +403,10 @@ MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Inde
     columns.topRows(kBodyCoordinates) = scale_.cwiseInverse().asDiagonal() * forces.topRows(kBodyCoordinates);
     columns.middleRows(residuals_, kWheels) = forces.bottomRows(kWheels);
   }
+  if (p >= kDamper && p < kStabiliser)
+    rows.rightCols(kWheels) =
+        strut_columns(step * rebound(v)(p - kDamper) * Eigen::Vector4d::Unit(p - kDamper));
+  strut_rows(rows) *= strut_scale(v);
   return rows;
 }
 
@@ -336,12 +419,13 @@ CarPosterior::System CarPosterior::system(const VectorXd& v) const {
             .bin = {}};
   of.residual_rows = of.equations.rows.topRows(residuals_);
   of.road_rows = of.equations.rows.bottomRows(kRows);
-  of.front_rows.resize(kWheels, 3 * channels_);
+  of.front_rows.resize(kWheels, motion_);
   of.front_rows << of.road_rows.topRows(2), of.road_rows.middleRows(kWheels, 2);
-  of.rear_rows.resize(kWheels, 3 * channels_);
+  of.rear_rows.resize(kWheels, motion_);
   of.rear_rows << of.road_rows.middleRows(2, 2), of.road_rows.bottomRows(2);
   of.bin.reserve(static_cast<std::size_t>(bins_));
-  for (Index k = 0; k < bins_; ++k) of.bin.emplace_back(of.equations, residuals_, channels_, omega(k));
+  for (Index k = 0; k < bins_; ++k)
+    of.bin.emplace_back(of.equations, residuals_, channels_, omega(k), integrals(omega(k)));
   return of;
 }
 
@@ -451,7 +535,7 @@ double CarPosterior::evaluate(const VectorXd& v, VectorXd* gradient) const {
   std::optional<Slopes> slopes;
   if (gradient) {
     gradient->setZero(size_);
-    slopes = Slopes{MatrixXd::Zero(3 * channels_, residuals_), MatrixXd::Zero(3 * channels_, kRows),
+    slopes = Slopes{MatrixXd::Zero(motion_, residuals_), MatrixXd::Zero(motion_, kRows),
                     MatrixXcd::Zero(bins_, kWheels)};
   }
   double value = body_value(of, slopes ? &*slopes : nullptr);
@@ -554,7 +638,7 @@ void CarPosterior::add_road_slopes(const System& of, const SpectralMoments& spee
 
 void CarPosterior::add_slopes(const System& of, const VectorXd& v, const Slopes& slopes,
                               VectorXd& gradient) const {
-  MatrixXd by_rows(3 * channels_, residuals_ + kRows);
+  MatrixXd by_rows(motion_, residuals_ + kRows);
   by_rows << slopes.by_residual, slopes.by_road;
   for (Index a = 0; a < known_; ++a)
     gradient(a) += 2.0 * equations_by(v, of.equations, a).transpose().cwiseProduct(by_rows).sum();
@@ -611,17 +695,16 @@ void CarPosterior::add_body_information(const System& of, const std::vector<Matr
     for (const Index k : band.bins) {
       const auto b = static_cast<std::size_t>(k);
       const Bin& bin = of.bin[b];
-      const Eigen::Matrix4cd road =
-          bin.to_road * sandwich(of.road_rows, same_[b], of.road_rows) * bin.to_road.adjoint();
-      const MatrixXcd from_road = bin.integral * bin.from_road;
-      std::vector<MatrixXcd> residual_by;  // per unit of the road
-      for (const MatrixXd& rows : rows_by)
-        residual_by.push_back(rows_of(rows.topRows(residuals_), from_road));
-      for (std::size_t a = 0; a < residual_by.size(); ++a) {
-        const MatrixXcd weighed = bin.weight * residual_by[a] * road / band.level;
+      // Of what was measured, less the noise, which is bin.weight's inverse at the band's level.
+      for (std::size_t a = 0; a < rows_by.size(); ++a) {
+        const MatrixXd change = rows_by[a].topRows(residuals_);
+        const MatrixXcd measured = bin.weight * rows_of(change, same_[b]) / band.level;
+        const MatrixXcd noise =
+            count_(k) * bin.weight * rows_of(change, bin.integral) * bin.integral.adjoint();
+        const MatrixXcd signal = measured - noise;
         for (std::size_t c = 0; c <= a; ++c)
           information(static_cast<Index>(a), static_cast<Index>(c)) +=
-              2.0 * weighed.conjugate().cwiseProduct(residual_by[c]).sum().real();
+              2.0 * signal.real().cwiseProduct(rows_by[c].topRows(residuals_)).sum();
       }
     }
   }
@@ -680,29 +763,86 @@ void CarPosterior::add_prior_information(MatrixXd& information) const {
   }
 }
 
+namespace {
+
+/// Newton's step, damped until it leads no further than the information is good for (Levenberg).
+/// @param information  damped alike on return
+VectorXd bounded_step(MatrixXd& information, const VectorXd& gradient) {
+  constexpr double kFarthest = 1.5;  ///< standard deviations of a prior
+  for (double damping = 1.0;; damping *= 4.0) {
+    const VectorXd step = -information.ldlt().solve(gradient);
+    if (step.allFinite() && step.cwiseAbs().maxCoeff() <= kFarthest) return step;
+    information.diagonal().array() += damping;
+  }
+}
+
+/// Where the expected curvature is not the true one, the steps themselves show by how much.
+///
+/// Source: J. Nocedal, S. J. Wright, Numerical Optimization, 2nd ed., Springer 2006, algorithm 7.4.
+class CurvatureBySteps {
+ public:
+  explicit CurvatureBySteps(const MatrixXd& expected) : expected_(expected) {}
+
+  void add(const VectorXd& step, const VectorXd& change_of_gradient) {
+    const double curvature = step.dot(change_of_gradient);
+    if (curvature > 1e-12 * step.norm() * change_of_gradient.norm())
+      pairs_.push_back({step, change_of_gradient, 1.0 / curvature});
+  }
+  VectorXd step(const VectorXd& gradient) const {
+    VectorXd q = gradient;
+    std::vector<double> alpha(pairs_.size());
+    for (std::size_t k = pairs_.size(); k-- > 0;) {
+      alpha[k] = pairs_[k].inverse_curvature * pairs_[k].step.dot(q);
+      q -= alpha[k] * pairs_[k].change;
+    }
+    q = expected_.solve(q);
+    for (std::size_t k = 0; k < pairs_.size(); ++k)
+      q += (alpha[k] - pairs_[k].inverse_curvature * pairs_[k].change.dot(q)) * pairs_[k].step;
+    return -q;
+  }
+
+ private:
+  struct Pair {
+    VectorXd step, change;
+    double inverse_curvature;
+  };
+  Eigen::LDLT<MatrixXd> expected_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace
+
 PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& start) {
-  constexpr int kMostSteps = 30;
+  constexpr int kScoring = 6;  ///< steps by the information; those to come by what the steps show as well
+  constexpr int kMostSteps = 60;
   constexpr double kEnough = 1e-3;  ///< of J: a step that gains less is a thirtieth of a standard deviation
   PosteriorMode mode{.v = start, .covariance = {}};
-  VectorXd gradient;
+  VectorXd gradient, before;
   mode.value = posterior.value(mode.v, gradient);
+  std::optional<CurvatureBySteps> curvature;
   for (; mode.steps < kMostSteps && !mode.converged; ++mode.steps) {
-    const Eigen::LDLT<MatrixXd> information(posterior.information(mode.v));
-    const VectorXd step = -information.solve(gradient);
+    VectorXd step;
+    if (mode.steps <= kScoring) {
+      MatrixXd information = posterior.information(mode.v);
+      step = bounded_step(information, gradient);
+      if (mode.steps == kScoring) curvature.emplace(information);
+    } else {
+      step = curvature->step(gradient);
+    }
     const double gain = -step.dot(gradient);
     if (!(gain > 0.0)) break;
     if (gain < kEnough) mode.converged = true;
     double part = 1.0;
-    VectorXd next = mode.v + step;
-    double value = posterior.value(next);
+    double value = posterior.value(mode.v + step);
     while (!(value < mode.value + 1e-9) && part > 1e-3) {
       part *= 0.5;
-      next = mode.v + part * step;
-      value = posterior.value(next);
+      value = posterior.value(mode.v + part * step);
     }
     if (!(value < mode.value + 1e-9)) break;
-    mode.v = next;
-    mode.value = posterior.value(next, gradient);
+    mode.v += part * step;
+    before = gradient;
+    mode.value = posterior.value(mode.v, gradient);
+    if (curvature) curvature->add(part * step, gradient - before);
   }
   mode.covariance = posterior.information(mode.v).inverse();
   return mode;

@@ -9,6 +9,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/vehicle/linear_model.hpp"
 #include "host/analysis/identify/spectral_moments.hpp"
+#include "host/analysis/identify/strut_motion.hpp"
 
 namespace roadbalance {
 
@@ -21,6 +22,12 @@ struct CarPrior {
   Eigen::MatrixXd sensors;     ///< [channel x 7] reading of each vertical channel per unit of z''
   Eigen::VectorXd gain_sigma;  ///< [channel] of their gains, 1
   double noise_m2_s4_hz;       ///< of a channel, two-sided density: the body's equations fit no better
+  /// Of the struts' dry friction about 0 N, and of by how much of its mean a damper is harder in rebound.
+  /// 0: there is none.
+  double friction_sigma_n = 0.0, rebound_sigma = 0.0;
+  /// Of a factor of the struts' forces in the wheels' rows, as far as the road tells it: where struts are not
+  /// linear it takes up what would else be a wrong ratio of body to wheel masses.
+  double strut_sigma = 0.0;
 
   /// As vehicle.toml has it.  Springs and tyres are good to 30 %, dampers and stabilisers to 50 %.
   /// @throws ConfigError as SensorMap::from
@@ -28,6 +35,9 @@ struct CarPrior {
 };
 
 /// The posterior of a car, its sensors and the shape of the road, by the spectra of a drive.
+///
+/// Motion are the spectra's rows: accelerations, velocities and displacements of m channels, and
+/// kStrutSignals, which enter the rows of (1) as forces of the struts, F_i tanh(v / v0) + b_i ds_i |v|.
 ///
 /// In each bin m channels give the body's residuals e = R y, which nothing shakes but noise (three equations,
 /// and m - 7 that say that the body is rigid), and the road u = U y under the four wheels, each wheel's row
@@ -59,7 +69,8 @@ class CarPosterior {
   /// @param speeds  moments of each speed, of the same bins; they outlive this
   CarPosterior(const CarPrior& prior, std::vector<const SpectralMoments*> speeds);
 
-  /// Unknowns: each of the car's parameters, then each gain, that is not known exactly, x in standard
+  /// Unknowns: each of the car's parameters, then each gain, then friction and rebound of each strut, that is
+  /// not known exactly, x in standard
   /// deviations of its prior (value e^(sigma x), of tyre dampers value + sigma x); then of the shape of the
   /// left side, of the right one, and of the mixing of sides and of axles, a and b at its inner knots.
   Eigen::Index size() const { return size_; }
@@ -69,8 +80,11 @@ class CarPosterior {
   Eigen::Index place(int parameter) const { return place_.at(static_cast<std::size_t>(parameter)); }
 
   Eigen::Index place_of_gain(Eigen::Index channel) const;
+  Eigen::Vector4d friction_n(const Eigen::VectorXd& v) const;
+  Eigen::Vector4d rebound(const Eigen::VectorXd& v) const;  ///< share that a damper has more in rebound
   /// Rows of (1) of the four wheels, tyres included, on accelerations, velocities and displacements of the
-  /// channels [4 x 3 m]: what they leave is the unbalances' force and ct_i + j om dt_i times the road.
+  /// channels and the struts' signals [4 x motion]: what they leave is the unbalances' force and ct_i + j om
+  /// dt_i times the road.
   Eigen::MatrixXd wheel_forces(const Eigen::VectorXd& v) const;
   /// Unknowns of the car and its sensors; those of the road's curves follow.
   Eigen::Index known() const { return known_; }
@@ -90,6 +104,11 @@ class CarPosterior {
   struct Band;
   struct Roads;
   struct Slopes;
+  void linearise_struts();
+  double strut_scale(const Eigen::VectorXd& v) const;
+  Eigen::Block<Eigen::MatrixXd> strut_rows(Eigen::MatrixXd& rows) const;
+  Eigen::MatrixXd strut_columns(const Eigen::Vector4d& force) const;
+  Eigen::MatrixXcd integrals(double omega) const;
   Equations equations(const Eigen::VectorXd& v) const;
   Eigen::MatrixXd equations_by(const Eigen::VectorXd& v, const Equations& of, Eigen::Index unknown) const;
   System system(const Eigen::VectorXd& v) const;
@@ -123,7 +142,12 @@ class CarPosterior {
   std::vector<const SpectralMoments*> speeds_;
   std::vector<Eigen::MatrixXcd> same_;  ///< of all speeds, in the bins of the body
   Eigen::ArrayXd count_;                ///< of all speeds
-  Eigen::Index channels_, bins_, residuals_, known_, size_;
+  Eigen::Index channels_, motion_, bins_, residuals_, known_, size_;
+  Eigen::Index friction_ = -1, rebound_ = -1,
+               strut_ = -1;  ///< first of them among the unknowns; -1: there is none
+  Eigen::Matrix<double, kWheels, kCoordinates> stretch_;
+  /// Of the struts' signals by their rates: what a linear element would have that does as much.
+  Eigen::Matrix<double, kStrutSignals, kWheels> linear_;
   std::vector<int> parameter_;         ///< of the car that are unknown
   std::vector<Eigen::Index> channel_;  ///< whose gains are
   std::array<Eigen::Index, kParameters> place_;

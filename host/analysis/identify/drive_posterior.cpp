@@ -5,6 +5,8 @@
 #include <complex>
 #include <utility>
 
+#include <Eigen/SVD>
+
 #include "host/analysis/identify/section_buffer.hpp"
 #include "host/analysis/identify/transients.hpp"
 
@@ -32,11 +34,24 @@ Eigen::ArrayXd distance_of(const Stretch& stretch) {
   return distance;
 }
 
-Eigen::MatrixXd motion_of(const Stretch& stretch) {
-  MotionIntegrals integrals(stretch.readings.rows(), stretch.rate_hz);
-  Eigen::MatrixXd motion(3 * stretch.readings.rows(), stretch.readings.cols());
-  for (Index k = 0; k < motion.cols(); ++k)
-    integrals.update(stretch.readings.col(k).array(), motion.col(k).array());
+/// Readings, and behind them the struts' signals [channel + kStrutSignals x sample].
+Eigen::MatrixXd with_struts(const Stretch& stretch, const CarPrior& prior) {
+  const Index channels = stretch.readings.rows();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(prior.sensors, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  StrutMotion struts(strut_stretch(prior.geometry) * svd.solve(Eigen::MatrixXd::Identity(channels, channels)),
+                     stretch.rate_hz);
+  Eigen::MatrixXd signals(channels + kStrutSignals, stretch.readings.cols());
+  signals.topRows(channels) = stretch.readings;
+  for (Index k = 0; k < signals.cols(); ++k)
+    struts.update(stretch.readings.col(k).array(), signals.col(k).tail(kStrutSignals).array());
+  return signals;
+}
+
+Eigen::MatrixXd motion_of(const Eigen::MatrixXd& signals, double rate_hz) {
+  const Index channels = signals.rows() - kStrutSignals;
+  MotionIntegrals integrals(channels, kStrutSignals, rate_hz);
+  Eigen::MatrixXd motion(3 * channels + kStrutSignals, signals.cols());
+  for (Index k = 0; k < motion.cols(); ++k) integrals.update(signals.col(k).array(), motion.col(k).array());
   return motion;
 }
 
@@ -52,21 +67,24 @@ Eigen::MatrixXd carriers_of(const Stretch& stretch, const Eigen::MatrixXd& senso
 
 void DrivePosterior::add(const Stretch& stretch) {
   if (!(stretch.omega.maxCoeff() > 0.0)) return;
-  if (!spectra_) spectra_.emplace(prior_.geometry.x_m[0] - prior_.geometry.x_m[2], stretch.rate_hz);
-  const auto settling = static_cast<Index>(std::lround(MotionIntegrals::kSettling_s * stretch.rate_hz));
+  if (!spectra_)
+    spectra_.emplace(prior_.sensors.rows(), prior_.geometry.x_m[0] - prior_.geometry.x_m[2], stretch.rate_hz);
+  const auto settling = static_cast<Index>(std::lround(StrutMotion::kSettling_s * stretch.rate_hz));
   const Eigen::ArrayXd quiet = quiet_samples(carriers_of(stretch, prior_.sensors), stretch.rate_hz);
   cut_s_ += static_cast<double>(quiet.size()) / stretch.rate_hz - quiet.sum() / stretch.rate_hz;
+  const Eigen::MatrixXd signals = with_struts(stretch, prior_);
   const Index rest = stretch.readings.cols() - settling;
   if (rest > 0) {
-    const Eigen::MatrixXd motion = motion_of(stretch);
+    const Eigen::MatrixXd motion = motion_of(signals, stretch.rate_hz);
     SpectralMoments moments = spectra_->moments(motion.rightCols(rest), distance_of(stretch).tail(rest),
                                                 quiet.tail(rest), stretch.omega);
     if (moments.segments > 0.0) speeds_[static_cast<int>(stretch.speed_m_s / kClass_m_s)] += moments;
   }
-  add_lines(stretch, quiet);
+  add_lines(stretch, signals, quiet);
 }
 
-void DrivePosterior::add_lines(const Stretch& stretch, const Eigen::ArrayXd& quiet) {
+void DrivePosterior::add_lines(const Stretch& stretch, const Eigen::MatrixXd& signals,
+                               const Eigen::ArrayXd& quiet) {
   if (!reader_) reader_.emplace(prior_.geometry, stretch.rate_hz);
   const Index all = stretch.signals.cols();
   const Index overlap = SectionBuffer::overlap(stretch.rate_hz, all);
@@ -79,7 +97,7 @@ void DrivePosterior::add_lines(const Stretch& stretch, const Eigen::ArrayXd& qui
     const auto quiet_of = quiet.segment(begin, size);
     if (quiet_of.mean() < kLeastQuiet) continue;
     lines.sections.push_back(reader_->read(stretch.signals.middleCols(begin, size),
-                                           stretch.readings.middleCols(begin, size), quiet_of, stretch.omega,
+                                           signals.middleCols(begin, size), quiet_of, stretch.omega,
                                            stretch.speed_m_s));
     lines.density += lines.sections.back().density();
   }
@@ -90,7 +108,8 @@ std::map<int, LineMoments> DrivePosterior::weighed(const ParameterVector& parame
   std::map<int, LineMoments> all;
   for (const Lines& lines : lines_)
     for (const LineReading& section : lines.sections)
-      all[lines.speed_class] += line_moments(section, lines.density, prior_.geometry, parameters);
+      all[lines.speed_class] +=
+          line_moments(section, prior_.sensors.rows(), lines.density, prior_.geometry, parameters);
   return all;
 }
 
@@ -112,6 +131,8 @@ std::optional<PosteriorCar> DrivePosterior::solve() const {
                       .sigma = ParameterVector::Zero(),
                       .gains = car.gains(v),
                       .sigma_gains = Eigen::VectorXd::Zero(car.channels()),
+                      .friction_n = Eigen::Vector4d::Zero(),
+                      .rebound = Eigen::Vector4d::Zero(),
                       .wheel = heard.wheel,
                       .steps = mode.steps,
                       .cut_s = cut_s_};
@@ -121,6 +142,8 @@ std::optional<PosteriorCar> DrivePosterior::solve() const {
     const double sigma = prior_.sigma(p) * std::sqrt(heard.covariance(at, at));
     result.sigma(p) = p >= kTyreDamper ? sigma : sigma * result.parameters(p);
   }
+  result.friction_n = car.friction_n(v);
+  result.rebound = car.rebound(v);
   for (Index c = 0; c < car.channels(); ++c) {
     const Index at = car.place_of_gain(c);
     if (at >= 0) result.sigma_gains(c) = prior_.gain_sigma(c) * std::sqrt(heard.covariance(at, at));

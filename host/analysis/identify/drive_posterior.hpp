@@ -16,8 +16,9 @@ namespace roadbalance {
 /// The most probable car that a drive was driven with.
 struct PosteriorCar {
   ParameterVector parameters;
-  ParameterVector sigma;               ///< of them, in their units; 0: known exactly
-  Eigen::VectorXd gains, sigma_gains;  ///< [channel]
+  ParameterVector sigma;                ///< of them, in their units; 0: known exactly
+  Eigen::VectorXd gains, sigma_gains;   ///< [channel]
+  Eigen::Vector4d friction_n, rebound;  ///< of the struts (CarPosterior)
   std::array<WheelFirstOrder, kWheels> wheel;
   int steps = 0;       ///< that the search took
   double cut_s = 0.0;  ///< left out for transients
@@ -44,7 +45,7 @@ class DrivePosterior {
     RoadSpectrum density;
     std::vector<LineReading> sections;
   };
-  void add_lines(const Stretch& stretch, const Eigen::ArrayXd& quiet);
+  void add_lines(const Stretch& stretch, const Eigen::MatrixXd& signals, const Eigen::ArrayXd& quiet);
   std::map<int, LineMoments> weighed(const ParameterVector& parameters) const;
 
   CarPrior prior_;

@@ -46,32 +46,33 @@ const HarmonicInstrument& HarmonicReader::instrument(Eigen::Index samples) {
 }
 
 LineReading HarmonicReader::read(const Eigen::Ref<const SignalMatrix>& signals,
-                             const Eigen::Ref<const Eigen::MatrixXd>& readings,
-                             const Eigen::Ref<const Eigen::ArrayXd>& quiet, const Eigen::Vector4d& omega,
-                             double speed_m_s) {
+                                 const Eigen::Ref<const Eigen::MatrixXd>& readings,
+                                 const Eigen::Ref<const Eigen::ArrayXd>& quiet, const Eigen::Vector4d& omega,
+                                 double speed_m_s) {
   return {.reading = instrument(signals.cols()).read(signals, omega, speed_m_s, readings, quiet),
           .seconds = quiet.sum() / rate_hz_};
 }
 
-LineMoments line_moments(const LineReading& section, const RoadSpectrum& density, const Geometry& geometry,
-                         const ParameterVector& parameters) {
+LineMoments line_moments(const LineReading& section, Eigen::Index channels, const RoadSpectrum& density,
+                         const Geometry& geometry, const ParameterVector& parameters) {
   const HarmonicReading& reading = section.reading;
   RoadSpectrum road = density;
   road.sum /= reading.effective_s;
   const LineWeights weights = line_weights(reading.lines, geometry, parameters, road, RoadShare::kShared);
-  const Eigen::Index channels = reading.readings.cols();
+  const Eigen::Index further = reading.readings.cols() - channels;
   LineMoments sum;
   sum.normal = weights.normal;
   sum.seconds = section.seconds;
   sum.turned_rad = section.seconds * reading.lines.omega;
   for (std::size_t i = 0; i < kWheels; ++i) {
-    sum.right[i].setZero(kWheels, 3 * channels);
+    sum.right[i].setZero(kWheels, 3 * channels + further);
     for (std::size_t k = 0; k < reading.lines.wheels.size(); ++k) {
       const int reference = reading.lines.wheels[k];
       const double omega = reading.lines.omega(reference);
-      const Eigen::RowVectorXcd Z = reading.readings.row(static_cast<Eigen::Index>(k));
-      Eigen::RowVectorXcd motion(3 * channels);
-      motion << Z, Z / (kJ * omega), -Z / (omega * omega);
+      const auto phasors = reading.readings.row(static_cast<Eigen::Index>(k));
+      const Eigen::RowVectorXcd Z = phasors.head(channels);
+      Eigen::RowVectorXcd motion(3 * channels + further);
+      motion << Z, Z / (kJ * omega), -Z / (omega * omega), phasors.tail(further);
       sum.right[i] += weights.weight[i].col(reference) * motion;
     }
   }

@@ -17,7 +17,8 @@ namespace roadbalance {
 /// They add.
 struct LineMoments {
   Eigen::Matrix4cd normal = Eigen::Matrix4cd::Zero();
-  /// [unknown wheel] of the four wheels' forces by accelerations, velocities and displacements [4 x 3 m]
+  /// [unknown wheel] of the four wheels' forces by accelerations, velocities and displacements of m channels,
+  /// and n further signals [4 x 3 m + n]
   std::array<Eigen::MatrixXcd, kWheels> right;
   double seconds = 0.0;
   Eigen::Vector4d turned_rad = Eigen::Vector4d::Zero();
@@ -44,7 +45,7 @@ class HarmonicReader {
   HarmonicReader(const Geometry& geometry, double rate_hz) : geometry_(geometry), rate_hz_(rate_hz) {}
 
   /// @param signals    [kSignals x samples]
-  /// @param readings   [channel x samples] m/s^2 of the vertical channels, the same filters passed
+  /// @param readings   [channel + further x samples] m/s^2 of the vertical channels, and further signals
   /// @param quiet      [sample] 0 where the section is not to be used
   /// @param omega      rotation rate of each wheel, rad/s; 0: it has no reference here
   /// @param speed_m_s  of the car
@@ -61,9 +62,10 @@ class HarmonicReader {
   std::map<Eigen::Index, HarmonicInstrument> instruments_;  ///< by samples
 };
 
+/// @param channels    of the readings; what is behind them is taken as it is
 /// @param density     of the road of this section and such as are like it (LineReading::density)
 /// @param parameters  present knowledge of the car, for the weights only
-LineMoments line_moments(const LineReading& section, const RoadSpectrum& density, const Geometry& geometry,
-                         const ParameterVector& parameters);
+LineMoments line_moments(const LineReading& section, Eigen::Index channels, const RoadSpectrum& density,
+                         const Geometry& geometry, const ParameterVector& parameters);
 
 }  // namespace roadbalance

@@ -26,23 +26,31 @@ Eigen::Array3d high_pass() {
 
 }  // namespace
 
-MotionIntegrals::MotionIntegrals(Index channels, double rate_hz)
-    : denominator_(high_pass()),
-      filter_(discretise_ramp_invariant(companion(denominator_.matrix()), 1.0 / rate_hz), channels) {}
+MotionIntegrals::MotionIntegrals(Index channels, Index further, double rate_hz)
+    : channels_(channels),
+      denominator_(high_pass()),
+      filter_(discretise_ramp_invariant(companion(denominator_.matrix()), 1.0 / rate_hz),
+              channels + further) {}
 
-void MotionIntegrals::update(const Eigen::Ref<const Eigen::ArrayXd>& acceleration,
+void MotionIntegrals::update(const Eigen::Ref<const Eigen::ArrayXd>& signals,
                              Eigen::Ref<Eigen::ArrayXd> motion) {
-  const Index channels = acceleration.size();
-  // State k is s^k / D(s) of the acceleration.
-  const auto state = filter_.update(acceleration);
-  motion.head(channels) = acceleration - denominator_(0) * state.col(0) - denominator_(1) * state.col(1) -
-                          denominator_(2) * state.col(2);
-  motion.segment(channels, channels) = state.col(2);
-  motion.tail(channels) = state.col(1);
+  const Index further = signals.size() - channels_;
+  // State k is s^k / D(s) of a signal.
+  const auto state = filter_.update(signals);
+  const auto passed = [&](Index first, Index count) {
+    const auto of = state.middleRows(first, count);
+    return signals.segment(first, count) - denominator_(0) * of.col(0) - denominator_(1) * of.col(1) -
+           denominator_(2) * of.col(2);
+  };
+  motion.head(channels_) = passed(0, channels_);
+  motion.segment(channels_, channels_) = state.col(2).head(channels_);
+  motion.segment(2 * channels_, channels_) = state.col(1).head(channels_);
+  motion.tail(further) = passed(channels_, further);
 }
 
-SpectralGatherer::SpectralGatherer(double wheelbase_m, double rate_hz)
-    : wheelbase_m_(wheelbase_m),
+SpectralGatherer::SpectralGatherer(Index channels, double wheelbase_m, double rate_hz)
+    : channels_(channels),
+      wheelbase_m_(wheelbase_m),
       rate_hz_(rate_hz),
       fft_(static_cast<int>(std::lround(kSpectraSegment_s * rate_hz))) {
   const std::vector<double> hann = window(Window::kHann, fft_.size());
@@ -79,7 +87,7 @@ void SpectralGatherer::add_segment(SpectralMoments& sum, const Eigen::Ref<const 
                                    const std::vector<bool>& masked, double weight, double delay_s) {
   std::vector<double> tapered(static_cast<std::size_t>(fft_.size()));
   std::vector<Complex> lines(static_cast<std::size_t>(fft_.bins()));
-  const Index bins = sum.bins(), channels = motion.rows() / 3;
+  const Index bins = sum.bins();
   Eigen::MatrixXcd x(motion.rows(), bins);
   for (Index row = 0; row < motion.rows(); ++row) {
     Eigen::Map<Eigen::ArrayXd>(tapered.data(), window_.size()) =
@@ -88,7 +96,8 @@ void SpectralGatherer::add_segment(SpectralMoments& sum, const Eigen::Ref<const 
     for (Index k = 0; k < bins; ++k) {
       // The integrals take the acceleration for straight lines between samples: sinc^2 of what it is.
       const double phase = 0.5 * sum.omega(k) / rate_hz_;
-      const double straight = row < channels ? 1.0 : std::pow(std::sin(phase) / phase, 2);
+      const bool integrated = row >= channels_ && row < 3 * channels_;
+      const double straight = integrated ? std::pow(std::sin(phase) / phase, 2) : 1.0;
       x(row, k) = lines[static_cast<std::size_t>(sum.first + k)] / straight;
     }
   }

@@ -26,7 +26,8 @@ TEST(LineMoments, ChannelsGiveTheForcesOfTheCoordinates) {
   const LineReading section =
       reader.read(stretch.signals, stretch.readings, Eigen::ArrayXd::Ones(stretch.signals.cols()),
                   stretch.omega, stretch.speed_m_s);
-  const LineMoments lines = line_moments(section, section.density(), prior.geometry, prior.value);
+  const LineMoments lines =
+      line_moments(section, prior.sensors.rows(), section.density(), prior.geometry, prior.value);
   const HarmonicMoments harmonic = harmonic_moments(section.reading.lines, prior.geometry, prior.value,
                                                     section.reading.road, RoadShare::kShared);
   EXPECT_LT((lines.normal - harmonic.normal).norm(), 1e-9 * harmonic.normal.norm());
@@ -37,10 +38,12 @@ TEST(LineMoments, ChannelsGiveTheForcesOfTheCoordinates) {
   empty.segments = 1.0;
   empty.delay_seconds = 0.1;
   empty.count.setZero(1);
-  empty.same.assign(1, Eigen::MatrixXcd::Zero(3 * prior.sensors.rows(), 3 * prior.sensors.rows()));
+  empty.same.assign(1, Eigen::MatrixXcd::Zero(3 * prior.sensors.rows() + kStrutSignals,
+                                              3 * prior.sensors.rows() + kStrutSignals));
   empty.delayed = empty.same;
   const CarPosterior car(prior, {&empty});
-  const Eigen::Vector4cd b = lines.right_sides(car.wheel_forces(Eigen::VectorXd::Zero(car.size())));
+  const Eigen::Vector4cd b = lines.right_sides(
+      car.wheel_forces(Eigen::VectorXd::Zero(car.size())).leftCols(3 * prior.sensors.rows()));
   const LinearModel model = linear_model(prior.geometry, prior.value);
   for (int i = 0; i < kWheels; ++i) {
     std::complex<double> expected = 0.0;
@@ -69,8 +72,10 @@ TEST(LineMoments, WhatIsNotQuietIsLeftOut) {
   const LineReading after = read();
   EXPECT_EQ(before.reading.readings, after.reading.readings);
   EXPECT_DOUBLE_EQ(before.seconds, 0.5 * static_cast<double>(stretch.signals.cols()) / stretch.rate_hz);
-  const LineMoments lines = line_moments(after, after.density(), prior.geometry, prior.value);
-  const LineMoments same = line_moments(before, after.density(), prior.geometry, prior.value);
+  const LineMoments lines =
+      line_moments(after, prior.sensors.rows(), after.density(), prior.geometry, prior.value);
+  const LineMoments same =
+      line_moments(before, prior.sensors.rows(), after.density(), prior.geometry, prior.value);
   EXPECT_EQ(lines.normal, same.normal);
 }
 

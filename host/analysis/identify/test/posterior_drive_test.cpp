@@ -107,6 +107,12 @@ INSTANTIATE_TEST_SUITE_P(
                          [](sim::Scenario& s) {
                            s.road.pothole = {3.0, {-0.045, -0.045}};
                          }},
+                    Case{"friction of 50 N", [](sim::Scenario& s) { s.damper.friction_n = 50.0; }},
+                    Case{"dampers 1 : 3",
+                         [](sim::Scenario& s) {
+                           s.damper.compression = 0.5;
+                           s.damper.rebound = 1.5;
+                         }},
                     Case{"masses drawn", [](sim::Scenario& s) { s.sigma_spread = 1.0; }},
                     Case{"radial forces", [](sim::Scenario& s) {
                            s.tyre.radial_force_n[0] = {20.0, 60.0};
