@@ -157,7 +157,7 @@ ReadingsBalance balance_readings(const Readings& readings, std::optional<double>
   for (Eigen::Index p = 0; p < found->correction.size(); ++p)
     result.plane.push_back(plane_correction(found->correction(p), found->sigma(p)));
   result.rms_without = rms_without(*found);
-  if (found->condition >= kIllConditioned)
+  if (found->condition >= kAlikeFrom)
     result.remark.push_back(format(
         "ill-conditioned, condition number %.1f: the planes act nearly alike on what is read, so that an "
         "error of the readings may count up to so many times in the weights; read at another place or "

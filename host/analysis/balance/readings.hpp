@@ -62,6 +62,6 @@ struct ReadingsBalance {
 ReadingsBalance balance_readings(const Readings& readings, std::optional<double> speed = std::nullopt);
 
 inline constexpr double kSameSpeed = 0.01;       ///< share of it
-inline constexpr double kIllConditioned = 10.0;  ///< from this condition number on it is remarked on
+inline constexpr double kAlikeFrom = 10.0;  ///< from this condition number on it is remarked on
 
 }  // namespace roadbalance
