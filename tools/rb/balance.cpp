@@ -163,10 +163,12 @@ void print(const ReadingsFile& file, const ReadingsBalance& found) {
   for (std::size_t p = 0; p < found.plane.size(); ++p)
     print_weight(readings.plane[p], found.plane[p], file.weight_unit);
   const char* const unit = file.reading_unit.c_str();
+  const double before = found.balance.rms_before;
+  const double after = found.balance.rms_after < 1e-9 * before ? 0.0 : found.balance.rms_after;  // rounding
   std::printf("%zu runs", found.used.size());
   if (found.speed) std::printf(" at %.4g %s", *found.speed, file.speed_unit.c_str());
   std::printf(", %d beyond those needed; %.4g %s rms before, %.4g expected after; condition number %.1f\n",
-              found.beyond, found.balance.rms_before, unit, found.balance.rms_after, found.balance.condition);
+              found.beyond, before, unit, after, found.balance.condition);
   for (std::size_t p = 0; p < found.rms_without.size(); ++p)
     std::printf("without a weight in %s: %.4g %s rms\n", readings.plane[p].c_str(), found.rms_without[p],
                 unit);
