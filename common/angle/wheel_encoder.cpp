@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/angle/own_mark.hpp"
+
 namespace roadbalance {
 
 namespace {
@@ -28,9 +30,11 @@ WheelEncoder::WheelEncoder(const EncoderConfig& config)
 void WheelEncoder::add(NodeTime time, EdgeKind kind) noexcept {
   switch (kind) {
     case EdgeKind::kTooth:
-      return add_tooth(to_ns(time));
+      add_tooth(to_ns(time));
+      if (is_own_mark(config_)) add_mark(to_ns(time));
+      return;
     case EdgeKind::kZeroMark:
-      if (config_.zero_mark) add_mark(to_ns(time));
+      if (config_.zero_mark && !is_own_mark(config_)) add_mark(to_ns(time));
       return;
     case EdgeKind::kToothBackward:
       tracker_.forget();  // speed and numbers are of a wheel that went forward; a mark counts only then

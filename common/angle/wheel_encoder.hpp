@@ -26,6 +26,9 @@ namespace roadbalance {
 /// until the next zero mark that the wheel passes forward, or until the learned errors of the teeth show
 /// which is which (PitchPattern), and then it is uncertain. So it is when no mark has come for eight turns.
 ///
+/// The pulse of a tachometer with one a turn is its own zero mark; it must come ten times a second at least
+/// (ToothTracker::kStandstill_ns), and the angle is known where three turns before and behind are.
+///
 /// Without a zero mark the teeth are counted, modulo a turn, from an arbitrary one: no angular location is
 /// claimed, and only counted_angles() shows how far the wheel has turned.  The count holds for stamps that
 /// jitter by up to a tenth of a pitch with 1 % of the teeth lost and 1 % extra; beyond, and over every hole,

@@ -44,6 +44,12 @@ ColumnOf match_columns(const SampleImport& import, const std::vector<FileChannel
         throw ConfigError(import.samples.string() + ": no column for channel " + channel.name + " of node " +
                           node.name + "; allowed: a column of that name, or role = \"unused\"");
     }
+  for (const TachometerColumn& tachometer : import.tachometer) {
+    if (!column.contains(tachometer.channel))
+      throw ConfigError(import.samples.string() + ": no column " + tachometer.channel +
+                        " for --tachometer; allowed: a column of that name");
+    unwanted.erase(tachometer.channel);
+  }
   std::erase_if(unwanted, [](const auto& named) { return is_reference_column(named.first); });
   if (!unwanted.empty())
     throw ConfigError(import.samples.string() + ": column " + unwanted.begin()->first +
@@ -79,6 +85,56 @@ class QuickDigest {
   std::uint64_t hash_ = 14695981039346656037ULL;
 };
 
+/// The wheels' tachometers among the columns.
+class Tachometers {
+ public:
+  Tachometers(const SampleImport& import, const ColumnOf& column) : import_(import) {
+    for (const TachometerColumn& one : import.tachometer)
+      tachometer_.push_back({one, column.at(one.channel), {}, {}});
+  }
+
+  /// Of all rows first: a threshold is of the whole signal.
+  void look(std::span<const double> cells) {
+    for (Tachometer& one : tachometer_) one.levels.add(cells[one.place]);
+  }
+  /// @throws ConfigError naming a column that does not change
+  void begin() {
+    for (Tachometer& one : tachometer_) {
+      if (!(one.levels.largest > one.levels.least))
+        throw ConfigError(import_.samples.string() + ": --tachometer: column " + one.column.channel +
+                          (one.levels.samples == 0 ? " has no sample" : " never changes") +
+                          "; allowed: a signal with a pulse in each turn, or of each tooth");
+      one.pulses.emplace(one.levels);
+    }
+  }
+  /// Pulses between the row before and this one, in order of time.
+  std::vector<Pulse> read(std::span<const double> cells, double time_s, double period_s) {
+    std::vector<Pulse> pulses;
+    for (Tachometer& one : tachometer_)
+      if (const auto at_s = one.pulses->add(time_s, period_s, cells[one.place]))
+        pulses.push_back({*at_s, one.column.wheel, EdgeKind::kTooth});
+    std::ranges::stable_sort(pulses, {}, &Pulse::time_s);
+    return pulses;
+  }
+  std::vector<ImportReport::Tachometer> report() const {
+    std::vector<ImportReport::Tachometer> all;
+    for (const Tachometer& one : tachometer_)
+      all.push_back({one.column.channel, one.column.wheel, one.pulses->pulses(), one.pulses->threshold(),
+                     one.pulses->sigma_s()});
+    return all;
+  }
+
+ private:
+  struct Tachometer {
+    TachometerColumn column;
+    std::size_t place;
+    TachometerLevels levels;
+    std::optional<TachometerPulses> pulses;
+  };
+  const SampleImport& import_;
+  std::vector<Tachometer> tachometer_;
+};
+
 /// Other programs' files, read from the first row to the last as often as one likes.
 class Input {
  public:
@@ -91,6 +147,8 @@ class Input {
         source_(import.open(import.samples)),
         units_(understand_units(import.samples, source_->channels(), vehicle, import.units)) {
     if (import.pulses) pulses_.emplace(*import.pulses);
+    for (const TachometerColumn& tachometer : import.tachometer)
+      refuse_without_encoder(tachometer.wheel, "--tachometer " + tachometer.channel);
   }
 
   const std::vector<FileChannel>& columns() const { return source_->channels(); }
@@ -119,10 +177,7 @@ class Input {
   }
   std::optional<Pulse> next_pulse() {
     const auto pulse = pulses_ ? pulses_->next() : std::nullopt;
-    if (pulse && wheel_of(*pulse).node.empty())
-      throw ConfigError(
-          import_.pulses->string() + ": wheel " + wheel_of(*pulse).name +
-          ": no node reads its encoder; allowed: node and [wheel.encoder] in the vehicle's description");
+    if (pulse) refuse_without_encoder(pulse->wheel, import_.pulses->string());
     return pulse;
   }
   const WheelConfig& wheel_of(const Pulse& pulse) const {
@@ -130,6 +185,13 @@ class Input {
   }
 
  private:
+  void refuse_without_encoder(int wheel, const std::string& source) const {
+    if (const WheelConfig& config = vehicle_.wheel[static_cast<std::size_t>(wheel)]; config.node.empty())
+      throw ConfigError(
+          source + ": wheel " + config.name +
+          ": no node reads its encoder; allowed: node and [wheel.encoder] in the vehicle's description");
+  }
+
   const SampleImport& import_;
   const VehicleConfig& vehicle_;
   const std::stop_token stop_;
@@ -148,7 +210,7 @@ struct Looked {
   QuickDigest samples, pulses;
 };
 
-Looked look_through(Input& input, const SampleImport& import, double nominal_hz) {
+Looked look_through(Input& input, Tachometers& tachometers, const SampleImport& import, double nominal_hz) {
   Looked looked;
   SampleClockFit fit(nominal_hz);
   const auto of_time = [&](auto work) {
@@ -158,8 +220,11 @@ Looked look_through(Input& input, const SampleImport& import, double nominal_hz)
       throw ConfigError(import.samples.string() + ": time_s: " + error.what());
     }
   };
-  for (SampleRows rows; input.read(rows); looked.samples.mix(rows))
+  for (SampleRows rows; input.read(rows); looked.samples.mix(rows)) {
     of_time([&] { std::ranges::for_each(rows.time_s, [&](double time_s) { fit.add(time_s); }); });
+    for (std::size_t k = 0; k < rows.rows(); ++k) tachometers.look(rows.row(k));
+  }
+  tachometers.begin();
   looked.clock = of_time([&] { return fit.clock(); });
   looked.rows = fit.rows();
   const double rate_hz = 1.0 / looked.clock.period_s;
@@ -176,19 +241,30 @@ Looked look_through(Input& input, const SampleImport& import, double nominal_hz)
 
 /// The same input shall give the same record, and another another.  Marks are about the drive, not of the
 /// node.
-std::int64_t epoch_of(const Looked& looked, const VehicleConfig& vehicle, int node) {
+std::int64_t epoch_of(const Looked& looked, const SampleImport& import, const VehicleConfig& vehicle,
+                      int node) {
   QuickDigest digest;
   const std::array sums{looked.samples.value(), looked.pulses.value(), static_cast<std::uint64_t>(node)};
   digest.mix<std::uint64_t>(sums);
   digest.mix<char>(vehicle.text);
+  for (const TachometerColumn& tachometer : import.tachometer) {
+    digest.mix<char>(tachometer.channel);
+    digest.mix<int>(std::span(&tachometer.wheel, 1));
+  }
   return static_cast<std::int64_t>(digest.value() >> 2) + 1;
 }
 
 /// Seals what the input holds, and compares it with what it held before.
 class Sealing {
  public:
-  Sealing(Input& input, const SampleImport& import, const Looked& looked, ImportReport& report)
-      : input_(input), import_(import), looked_(looked), index_(looked.clock), report_(report) {}
+  Sealing(Input& input, Tachometers& tachometers, const SampleImport& import, const Looked& looked,
+          ImportReport& report)
+      : input_(input),
+        tachometers_(tachometers),
+        import_(import),
+        looked_(looked),
+        index_(looked.clock),
+        report_(report) {}
 
   void run(std::deque<NodeImport>& nodes, ImportedRecord& record) {
     // Blocks wait for the end of a filter, for the edges of their angles and to be full.
@@ -203,6 +279,8 @@ class Sealing {
         square += off_s * off_s;
         report_.stamp_max_s = std::max(report_.stamp_max_s, std::abs(off_s));
         hand_over_pulses(nodes, instant(time_s_));
+        for (const Pulse& pulse : tachometers_.read(rows.row(k), time_s_, looked_.clock.period_s))
+          hand_over(nodes, pulse);
         for (NodeImport& node : nodes) node.add(rows.row(k), row_, index, instant(time_s_));
         report_.seconds = looked_.clock.period_s * static_cast<double>(index + 1);
       }
@@ -219,17 +297,21 @@ class Sealing {
   void hand_over_pulses(std::deque<NodeImport>& nodes, NodeTime until) {
     for (; pulse_ && instant(pulse_->time_s) <= until; pulse_ = input_.next_pulse()) {
       pulses_.mix(*pulse_);
-      const WheelConfig& wheel = input_.wheel_of(*pulse_);
-      for (NodeImport& node : nodes)
-        if (node.node().name == wheel.node)
-          node.add({instant(pulse_->time_s), static_cast<std::uint8_t>(wheel.line), pulse_->kind});
+      hand_over(nodes, *pulse_);
     }
+  }
+  void hand_over(std::deque<NodeImport>& nodes, const Pulse& pulse) const {
+    const WheelConfig& wheel = input_.wheel_of(pulse);
+    for (NodeImport& node : nodes)
+      if (node.node().name == wheel.node)
+        node.add({instant(pulse.time_s), static_cast<std::uint8_t>(wheel.line), pulse.kind});
   }
   [[noreturn]] static void refuse_change(const std::filesystem::path& file) {
     throw ConfigError(file.string() + ": was written to while it was read; allowed: a file that is done");
   }
 
   Input& input_;
+  Tachometers& tachometers_;
   const SampleImport& import_;
   const Looked& looked_;
   SampleIndex index_;
@@ -274,7 +356,8 @@ ImportReport import_samples(const SampleImport& import, const VehicleConfig& as_
   Input input(import, vehicle, std::move(stop), progress);
   const ColumnOf column = match_columns(import, input.columns(), vehicle);
   auto marks = import.marks ? read_marks(*import.marks) : std::vector<ImportedMark>();
-  const Looked looked = look_through(input, import, vehicle.node.front().rate_hz);
+  Tachometers tachometers(import, column);
+  const Looked looked = look_through(input, tachometers, import, vehicle.node.front().rate_hz);
 
   ImportReport report;
   report.sha256 = sha256_of(import.samples);
@@ -290,11 +373,14 @@ ImportReport import_samples(const SampleImport& import, const VehicleConfig& as_
   std::deque<NodeImport> nodes;
   for (std::size_t n = 0; n < config.size(); ++n) {
     config[n].rate_hz = report.rate_hz;
-    nodes.emplace_back(vehicle, config[n], column, epoch_of(looked, vehicle, config[n].id), import.samples,
-                       [&record, n](const SealedBlock& block) { record.add(n, block); });
+    nodes.emplace_back(vehicle, config[n], column, epoch_of(looked, import, vehicle, config[n].id),
+                       import.samples, [&record, n](const SealedBlock& block) { record.add(n, block); });
   }
   input.rewind();
-  Sealing(input, import, looked, report).run(nodes, record);
+  Sealing(input, tachometers, import, looked, report).run(nodes, record);
+  report.tachometers = tachometers.report();
+  for (const auto& tachometer : report.tachometers)
+    report.has_pulses = report.has_pulses || tachometer.pulses > 0;
   record.finish();
   folder.keep();
   for (const NodeImport& node : nodes) {

@@ -5,7 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "common/config/section.hpp"
 #include "common/process/stop_on_signal.hpp"
 #include "host/recording/formats/hdf5_reader.hpp"
 #include "host/recording/formats/uff58_reader.hpp"
@@ -21,6 +23,7 @@ namespace {
 struct ImportOptions {
   std::string samples;
   std::string pulses;
+  std::vector<std::string> tachometer;
   std::string marks;
   std::string vehicle;
   std::string folder;
@@ -61,6 +64,7 @@ nlohmann::ordered_json report_json(const ImportReport& report) {
                               {"channels", nlohmann::ordered_json::array()},
                               {"holes", nlohmann::ordered_json::array()},
                               {"suspicions", nlohmann::ordered_json::array()},
+                              {"tachometers", nlohmann::ordered_json::array()},
                               {"nodes", nlohmann::ordered_json::array()}};
   for (const auto& channel : report.channels)
     if (!channel.meaning.empty())
@@ -72,6 +76,12 @@ nlohmann::ordered_json report_json(const ImportReport& report) {
     json["holes"].push_back({{"after_s", hole.after_s}, {"samples", hole.samples}});
   for (const auto& suspicion : report.suspicions)
     json["suspicions"].push_back({{"channel", suspicion.channel}, {"what", suspicion.what}});
+  for (const auto& tachometer : report.tachometers)
+    json["tachometers"].push_back({{"channel", tachometer.channel},
+                                   {"wheel", kWheelNames[static_cast<std::size_t>(tachometer.wheel)]},
+                                   {"pulses", tachometer.pulses},
+                                   {"threshold", tachometer.threshold},
+                                   {"stamp_sigma_s", tachometer.stamp_sigma_s}});
   for (const auto& node : report.nodes)
     json["nodes"].push_back({{"name", node.name},
                              {"blocks", node.blocks},
@@ -97,6 +107,11 @@ void tell(const ImportReport& report) {
                  static_cast<long long>(hole.samples));
   for (const auto& suspicion : report.suspicions)
     std::fprintf(stderr, "suspicious: %s %s\n", suspicion.channel.c_str(), suspicion.what.c_str());
+  for (const auto& tachometer : report.tachometers)
+    std::fprintf(stderr, "tachometer %s of %s: %lld pulses through %.6g, each known to %.3g ms (sigma)\n",
+                 tachometer.channel.c_str(), kWheelNames[static_cast<std::size_t>(tachometer.wheel)],
+                 static_cast<long long>(tachometer.pulses), tachometer.threshold,
+                 tachometer.stamp_sigma_s * 1e3);
   for (const auto& node : report.nodes)
     std::fprintf(stderr, "node %s: %lld samples recorded, %lld missing, %lld edges\n", node.name.c_str(),
                  static_cast<long long>(node.scans), static_cast<long long>(node.scans_missing),
@@ -110,6 +125,13 @@ int import(const ImportOptions& options) {
   SampleImport request{
       .samples = options.samples, .folder = options.folder, .open = options.open, .units = options.units};
   if (!options.pulses.empty()) request.pulses = options.pulses;
+  for (const std::string& text : options.tachometer) {
+    const TachometerColumn tachometer = TachometerColumn::parse(text);
+    if (std::ranges::find(request.tachometer, tachometer.wheel, &TachometerColumn::wheel) !=
+        request.tachometer.end())
+      throw ConfigError("--tachometer: " + text + ": its wheel has one already; allowed: one for each wheel");
+    request.tachometer.push_back(tachometer);
+  }
   if (!options.marks.empty()) request.marks = options.marks;
   const ImportReport report = [&] {
     const VehicleConfig vehicle = VehicleConfig::read_file(options.vehicle);
@@ -132,7 +154,12 @@ CLI::App* add_format(CLI::App& command, const char* name, const char* about, con
                      const std::shared_ptr<ImportOptions>& options, int& code) {
   CLI::App* one = command.add_subcommand(name, about);
   one->add_option("--samples", options->samples, samples)->required();
-  one->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
+  CLI::Option* const pulses =
+      one->add_option("--pulses", options->pulses, "time_s,wheel,kind with kind tooth or zero");
+  one->add_option("--tachometer", options->tachometer,
+                  "COLUMN=WHEEL: the column's signal gives the pulses of the wheel's encoder, one where it "
+                  "rises through the middle; for each wheel")
+      ->excludes(pulses);
   one->add_option("--marks", options->marks, "time_s,number,text as rb export --marks writes them");
   one->add_option("--units", options->units.units,
                   "unit of all channels or of one, whatever the file says: g, or CHANNEL=mm/s^2");

@@ -167,13 +167,13 @@ int orders(const OrdersOptions& options) {
     std::printf("%s\n", Json{{"wheels", wheels}}.dump().c_str());
   } else {
     std::printf("# peak amplitude, phase against the reference point, blocks of %d turns; ± is 95 %%\n",
-                RotorOrders::kVectorTurns);
+                options.wanted.block_turns);
     for (const Json& wheel : wheels) print_wheel(wheel, options.wanted.channel.has_value());
   }
   if (anything_known(wheels)) return kDone;
   std::fprintf(stderr,
                "rb orders: too few whole turns at a known angle: no confidence below %d blocks of %d turns\n",
-               MeanVector::kLeastVectors, RotorOrders::kVectorTurns);
+               MeanVector::kLeastVectors, options.wanted.block_turns);
   return kAnswerIsNo;
 }
 
@@ -206,6 +206,11 @@ void add_orders(CLI::App& app, int& code) {
       ->excludes(channel);
   command->add_option("--order", options->wanted.order, "orders of the vectors")->capture_default_str();
   command
+      ->add_option("--turns", options->wanted.block_turns,
+                   "of a block: fewer for a record of less than a hundred turns; no order is below 1 / turns")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command
       ->add_option("--vold-kalman", options->wanted.vold_kalman_hz,
                    "also all wheels together by the Vold-Kalman filter of this bandwidth, Hz (0.5 is usual): "
                    "orders that cross are told apart, as a check of the vectors")
@@ -214,8 +219,8 @@ void add_orders(CLI::App& app, int& code) {
   command->add_flag("--waterfall", options->waterfall, "with --json: a spectrum for each class of speed, too")
       ->needs(json);
   // The analyser has chosen already.
-  for (const char* const of_record :
-       {"--wheel", "--rotor", "--channel", "--all-nodes", "--order", "--vold-kalman", "--waterfall"})
+  for (const char* const of_record : {"--wheel", "--rotor", "--channel", "--all-nodes", "--order", "--turns",
+                                      "--vold-kalman", "--waterfall"})
     live->excludes(command->get_option(of_record));
   command->callback([options, &code] { code = orders(*options); });
 }

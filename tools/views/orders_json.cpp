@@ -148,6 +148,8 @@ nlohmann::ordered_json rotor_json(const RecordOrders& found, const RotorOrders& 
       {"uncertain_angle_s", seconds.uncertain},
       {"too_slow_s", seconds.slow},
       {"gaps", rotor.gaps()},
+      {"blocks_from_s", rotor.stretch() ? Json(rotor.stretch()->from_s) : Json()},
+      {"blocks_to_s", rotor.stretch() ? Json(rotor.stretch()->to_s) : Json()},
       {"angle_located", uncertainty.located},
       {"angle_sigma_deg",
        uncertainty.counted && uncertainty.located ? Json(degrees(uncertainty.sigma_rad)) : Json()},
@@ -186,8 +188,12 @@ std::string remark_on(const RecordOrders& found, const RotorOrders& rotor) {
                "another "
                "drive's",
                1.0 / turns.known_share);
+  const bool on_the_bus = std::ranges::any_of(turns.wheel, [&](int wheel) {
+    return !found.vehicle.wheel[static_cast<std::size_t>(wheel)].encoder.counter.empty();
+  });
   if (uncertainty.counted)
-    return text("angle from a counter on the bus: an instant is known to %.2f degrees",
+    return text(on_the_bus ? "angle from a counter on the bus: an instant is known to %.2f degrees"
+                           : "angle from the recorded pulses: an instant is known to %.2f degrees",
                 degrees(uncertainty.sigma_rad)) +
            text(", the mean to %.2f degrees (sigma)", degrees(uncertainty.common_sigma_rad));
   return "";

@@ -96,6 +96,20 @@ TEST(WheelEncoder, TakesAThousandPulseTransducer) {
   EXPECT_LE(e.rms_deg, 0.02);
 }
 
+TEST(WheelEncoder, TakesThePulseOfATachometerForItsZeroMark) {
+  WheelEncoder encoder(ring(1));
+  // Zero marks come with it, a radian before: they count nothing.
+  const sim::PulseTrain train{
+      .angle_rad = [](double t) { return 2.0 * pi * 45.0 * t + 0.8 * std::sin(2.0 * pi * 0.21 * t) + 1.0; },
+      .teeth = 1,
+      .first_tooth_rad = 1.0,
+      .jitter_s = 10e-6};
+  const Errors e = follow(encoder, train, 8.0, 1.0, -1.0);
+  EXPECT_EQ(e.unknown, 0);
+  EXPECT_LE(e.rms_deg, 360.0 * 45.0 * 10e-6) << "between pulses as well as at one";
+  EXPECT_EQ(encoder.faulty_turns(), 0);
+}
+
 TEST(WheelEncoder, SurvivesLostAndExtraPulses) {
   WheelEncoder encoder(ring(96));
   const sim::PulseTrain train{.angle_rad = drive(),

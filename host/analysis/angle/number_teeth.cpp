@@ -10,6 +10,7 @@
 #include "common/angle/fault_balance.hpp"
 #include "common/angle/local_fit.hpp"
 #include "common/angle/mark_count.hpp"
+#include "common/angle/own_mark.hpp"
 #include "common/angle/tooth_tracker.hpp"
 #include "host/analysis/angle/anchor_run.hpp"
 
@@ -40,8 +41,11 @@ class EarlierNumbers {
 class Follower {
  public:
   /// @param earlier  gives where the table begins, from a tooth that it has numbered on
-  Follower(const PitchTable& table, int teeth, std::span<const NumberedRun> earlier)
-      : tracker_(teeth), grid_{table}, earlier_(earlier) {}
+  Follower(const PitchTable& table, const EncoderConfig& config, std::span<const NumberedRun> earlier)
+      : is_own_mark_(is_own_mark(config)),
+        tracker_(config.pulses_per_turn),
+        grid_{table},
+        earlier_(earlier) {}
 
   void add(const Edge& edge) {
     const std::int64_t time_ns = to_ns(edge.time);
@@ -102,10 +106,15 @@ class Follower {
   }
   void end_run() {
     balance_.forget();
+    if (is_own_mark_) {
+      run_.marks_ns.clear();
+      for (const NumberedTooth& tooth : run_.teeth) run_.marks_ns.push_back(tooth.time_ns);
+    }
     if (!run_.teeth.empty()) runs_.push_back(std::move(run_));
     run_ = {};
   }
 
+  const bool is_own_mark_;
   ToothTracker tracker_;
   ToothGrid grid_;
   EarlierNumbers earlier_;
@@ -147,7 +156,7 @@ NumberedTeeth number_teeth(const EncoderConfig& config, std::span<const Edge> ed
 NumberedTeeth number_again(const EncoderConfig& config, std::span<const Edge> edges, const PitchTable& table,
                            const NumberedTeeth& earlier) {
   NumberedTeeth all;
-  Follower follower(table, config.pulses_per_turn, earlier.runs);
+  Follower follower(table, config, earlier.runs);
   for (const Edge& edge : edges) follower.add(edge);
   std::vector<FollowedRun> runs = follower.finish();
   if (!config.zero_mark) {

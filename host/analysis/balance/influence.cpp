@@ -2,10 +2,14 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
+
+#include "common/types/angle_units.hpp"
 
 namespace roadbalance {
 namespace {
@@ -136,7 +140,18 @@ double chance_of_contradictions(const std::vector<InfluenceRun>& runs, const Fit
   return chance_of_chi_square(square, beyond * best.bare.size());
 }
 
+double condition_of(const Eigen::MatrixXcd& influence) {
+  const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXcd>(influence).singularValues();
+  return singular(0) / singular(singular.size() - 1);
+}
+
 }  // namespace
+
+PlaneCorrection plane_correction(std::complex<double> weight_g, double sigma_g) {
+  const double angle = std::arg(weight_g), mass = std::abs(weight_g);
+  return {mass, angle < 0.0 ? angle + kTurn : angle, sigma_g,
+          mass > sigma_g ? std::asin(sigma_g / mass) : std::numbers::pi};
+}
 
 std::optional<Eigen::VectorXcd> correction_by_influence(const Eigen::MatrixXcd& influence,
                                                         const Eigen::VectorXcd& bare) {
@@ -156,7 +171,8 @@ std::optional<InfluenceBalance> balance_by_influence(const std::vector<Influence
                            {},
                            0.0,
                            0.0,
-                           chance_of_contradictions(runs, *best)};
+                           chance_of_contradictions(runs, *best),
+                           condition_of(best->influence)};
   balance.residual = best->bare + best->influence * best->correction;
   const double root = std::sqrt(static_cast<double>(balance.bare.size()));
   balance.rms_before = balance.bare.norm() / root;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <optional>
 #include <vector>
 
@@ -26,7 +27,20 @@ struct InfluenceBalance {
   /// Runs beyond those needed check the others: that a linear rotor whose runs scatter so shows
   /// contradictions as large as these; 1 if there is none beyond.
   double chance = 1.0;
+  /// Largest through least singular value of the influence: so many times a relative error of what is
+  /// observed may count in the weights; 1 is best.
+  double condition = 1.0;
 };
+
+/// The weight that quietens a plane.
+struct PlaneCorrection {
+  double mass_g = 0.0,
+         angle_rad = 0.0;  ///< from the rotor's own mark in the direction of rotation, 0 .. 2 pi
+  double mass_sigma_g = 0.0, angle_sigma_rad = 0.0;
+};
+
+/// @param sigma_g  of each part of the weight
+PlaneCorrection plane_correction(std::complex<double> weight_g, double sigma_g);
 
 /// w = -(A* A)^-1 A* bare; nothing if the influences A [observation x plane] do not determine the weights.
 std::optional<Eigen::VectorXcd> correction_by_influence(const Eigen::MatrixXcd& influence,

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "common/angle/own_mark.hpp"
 #include "common/angle/wanted_signal.hpp"
 #include "common/config/section.hpp"
 #include "host/recording/recorded_vehicle.hpp"
@@ -104,7 +105,8 @@ std::vector<std::unique_ptr<RotorOrders>> wanted_rotors(const VehicleConfig& veh
   for (const Rotor& rotor : rotors(vehicle, wanted))
     for (Place& place : places(vehicle, rotor, wanted)) try {
         all.push_back(std::make_unique<RotorOrders>(vehicle, rotor, place.node, std::move(place.channel),
-                                                    wanted.order));
+                                                    wanted.order,
+                                                    RotorOrders::Effort{.vector_turns = wanted.block_turns}));
       } catch (const std::invalid_argument& error) {
         throw ConfigError("--order: " + std::string(error.what()));
       }
@@ -194,7 +196,11 @@ std::vector<std::unique_ptr<CrossingOrders>> crossings(
 
 void analyse(const std::filesystem::path& folder, Job job, RecordOrders& result) {
   auto rotors = wanted_rotors(job.vehicle, job.wanted);
-  AngleReprocessor angles(job.vehicle, AngleReprocessor::WithoutMark::kTurned);
+  const bool few_pulses = std::ranges::any_of(job.vehicle.wheel, [](const WheelConfig& wheel) {
+    return !wheel.node.empty() && is_own_mark(wheel.encoder);
+  });
+  AngleReprocessor angles(job.vehicle, AngleReprocessor::WithoutMark::kTurned,
+                          few_pulses ? AngleReprocessor::Teeth::kAgain : AngleReprocessor::Teeth::kAsLive);
   if (angles.wanted()) {
     read_recording(
         folder, [](const VehicleConfig&) {}, [&](const SealedBlock& block) { angles.learn(block); });

@@ -21,6 +21,8 @@ struct WantedOrders {
   std::optional<std::string> channel{};
   bool all_nodes = false;  ///< accelerations of all nodes, not only of those that read the encoders
   std::vector<double> order{1.0, 2.0};
+  /// Of a block: MeanVector needs six of them; the least order is one period in a block.
+  int block_turns = RotorOrders::kVectorTurns;
   /// Also all wheels together by the Vold-Kalman filter of this bandwidth, Hz; nothing: not.
   std::optional<double> vold_kalman_hz{};
 };
@@ -39,7 +41,9 @@ struct RecordOrders {
 
 /// Orders in a finished recording.
 ///
-/// Angles of wheels whose teeth are counted on the bus are computed again (AngleReprocessor); for one whose
+/// Angles of wheels whose teeth are counted on the bus are computed again (AngleReprocessor), and all angles
+/// where a wheel has a tachometer of one pulse a turn, of which the live encoder needs some turns to begin;
+/// for one whose
 /// zero marks do not show where it stands it is counted how far it has turned, and Rotor::known_share is 0.
 /// A wheel without an encoder whose speed is on the bus is analysed in the node that hears it, by how far it
 /// has turned: Quality::by_speed.  Then only spectra hold, for the turns run away from the wheel.  Each rotor

@@ -52,12 +52,6 @@ std::vector<Observations> common_observations(const std::vector<WeightedRun>& ru
   return all;
 }
 
-PlaneCorrection correction(std::complex<double> weight_g, double sigma_g) {
-  const double angle = std::arg(weight_g), mass = std::abs(weight_g);
-  return {mass, angle < 0.0 ? angle + kTurn : angle, sigma_g,
-          mass > sigma_g ? std::asin(sigma_g / mass) : std::numbers::pi};
-}
-
 RotorBalance by_influence(const RotorConfig& rotor, const std::vector<WeightedRun>& runs,
                           const std::vector<Observations>& observed) {
   RotorBalance result;
@@ -85,10 +79,11 @@ RotorBalance by_influence(const RotorConfig& rotor, const std::vector<WeightedRu
     return result;
   }
   for (Eigen::Index p = 0; p < planes; ++p)
-    result.plane.push_back(correction(balance->correction(p), balance->sigma(p)));
+    result.plane.push_back(plane_correction(balance->correction(p), balance->sigma(p)));
   result.observations = static_cast<int>(count);
   result.rms_before = balance->rms_before;
   result.rms_after = balance->rms_after;
+  result.condition = balance->condition;
   return result;
 }
 

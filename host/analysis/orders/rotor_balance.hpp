@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
+#include "host/analysis/balance/influence.hpp"
 #include "host/analysis/orders/rotor_orders.hpp"
 
 namespace roadbalance {
@@ -17,13 +18,6 @@ struct WeightedRun {
   double phase_sigma_rad = 0.0;                ///< of its angle, the same all through the drive
 };
 
-/// The weight that quietens a plane.
-struct PlaneCorrection {
-  double mass_g = 0.0,
-         angle_rad = 0.0;  ///< from the rotor's own mark in the direction of rotation, 0 .. 2 pi
-  double mass_sigma_g = 0.0, angle_sigma_rad = 0.0;
-};
-
 struct RotorBalance {
   std::string refusal;                 ///< why there are no weights, and what would help; empty: there are
   bool by_amplitude = false;           ///< four runs without phase; else influence coefficients
@@ -32,6 +26,7 @@ struct RotorBalance {
       0;  ///< channels times classes of speed that all runs have; by amplitude: that determine it
   std::string observation{};                 ///< by amplitude: the surest of them, whose weight this is
   double rms_before = 0.0, rms_after = 0.0;  ///< of their amplitudes, m/s^2; by influence
+  double condition = 1.0;                    ///< InfluenceBalance::condition; by influence
   double agreement = 1.0;                    ///< by amplitude: of the runs with one another, 1 is best
 };
 

@@ -19,12 +19,12 @@ double highest_hz(const VehicleConfig& vehicle, const NodeConfig& node) {
 }
 
 OrderVectors::Settings vector_settings(const VehicleConfig& vehicle, const Rotor& rotor,
-                                       const NodeConfig& node, int channels,
-                                       const std::vector<double>& order) {
+                                       const NodeConfig& node, int channels, const std::vector<double>& order,
+                                       int turns) {
   // Order h of the rotor is order ratio h of the wheels, whose angle has passed the filter.
   return {channels,
           RotorOrders::kRowsPerTurn,
-          RotorOrders::kVectorTurns,
+          turns,
           order,
           highest_hz(vehicle, node),
           rotor.class_hz(vehicle),
@@ -59,11 +59,16 @@ RotorOrders::RotorOrders(const VehicleConfig& vehicle, Rotor rotor, int node,
       angle_(vehicle, rotor_, nodes_of(vehicle, {&rotor_, 1}, node)),
       waterfall_({static_cast<int>(channel_.size()), kRowsPerTurn, kSpectrumTurns,
                   kDecimationFlatTo * kRowsPerTurn, highest_hz(vehicle, node_), rotor_.class_hz(vehicle)}),
-      vectors_(vector_settings(vehicle, rotor_, node_, static_cast<int>(channel_.size()), order_)),
+      vectors_(vector_settings(vehicle, rotor_, node_, static_cast<int>(channel_.size()), order_,
+                               effort_.vector_turns)),
       spectrum_blocks_({static_cast<int>(channel_.size()), kRowsPerTurn, kSpectrumTurns, kSpectrumTurns / 4},
                        [this](const TurnBlock& block) { waterfall_.add(block); }),
-      vector_blocks_({static_cast<int>(channel_.size()), kRowsPerTurn, kVectorTurns, kVectorTurns},
-                     [this](const TurnBlock& block) { vectors_.add(block); }),
+      vector_blocks_(
+          {static_cast<int>(channel_.size()), kRowsPerTurn, effort_.vector_turns, effort_.vector_turns},
+          [this](const TurnBlock& block) {
+            stretch_ = {stretch_ ? stretch_->from_s : block.from_s, block.to_s};
+            vectors_.add(block);
+          }),
       factor_(decimation_for(effort_, node_)),
       resampler_({static_cast<int>(channel_.size()), node_.rate_hz / factor_, kRowsPerTurn,
                   effort_.least_rotation_hz * rotor_.ratio},

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,7 +41,8 @@ class RotorOrders {
   struct Effort {
     bool spectra = true;  ///< else vectors only
     double least_rotation_hz = kLeastRotation_hz;
-    double highest_hz = 0.0;  ///< of lines that are wanted; 0: all that the sampling rate carries
+    int vector_turns = kVectorTurns;  ///< of a block of the vectors; fewer leave a short record more blocks
+    double highest_hz = 0.0;          ///< of lines that are wanted; 0: all that the sampling rate carries
     double longest_wait_s = GridJoin::kLongestWait_s;  ///< for a node that is behind, in drive
 
     bool operator==(const Effort&) const = default;
@@ -52,6 +54,11 @@ class RotorOrders {
     double no_angle = 0.0;   ///< a node did not have its wheel's angle
     double uncertain = 0.0;  ///< known, but a turn did not have exactly its teeth
     double slow = 0.0;
+  };
+  /// From the begin of the first block that the vectors are of to the end of the last, s by the samples that
+  /// came before; missing ones do not count.
+  struct Stretch {
+    double from_s, to_s;
   };
 
   /// @param rotor    of wheels with an encoder
@@ -85,6 +92,7 @@ class RotorOrders {
   const std::vector<double>& order() const { return order_; }
   double way_m() const { return way_m_; }  ///< of the car in a turn of the rotor
   Seconds seconds() const;
+  const std::optional<Stretch>& stretch() const { return stretch_; }  ///< nothing: there is no block
   std::int64_t gaps() const { return gaps_; }
   /// Why nodes' scans cannot be brought to each other; empty: they can.
   std::string refusal() const { return join_.refusal(); }
@@ -108,6 +116,7 @@ class RotorOrders {
   OrderWaterfall waterfall_;
   OrderVectors vectors_;
   TurnBlocks spectrum_blocks_, vector_blocks_;
+  std::optional<Stretch> stretch_;
   int factor_;  ///< samples of which the resampler gets one
   AngleResampler resampler_;
   std::vector<RotorOrders*> sharing_{this};

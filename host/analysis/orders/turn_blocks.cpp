@@ -37,6 +37,8 @@ void TurnBlocks::emit_block() {
   const Eigen::Index rows = block_.values.rows();
   block_.rotation_hz =
       static_cast<double>(rows - 1) / settings_.rows_per_turn / (time_s_(rows - 1) - time_s_(0));
+  block_.from_s = time_s_(0);
+  block_.to_s = time_s_(rows - 1) + 1.0 / (block_.rotation_hz * settings_.rows_per_turn);
   block_.overload = 0;
   for (const std::uint32_t overload : turn_overload_) block_.overload |= overload;
   emit_(block_);

@@ -9,11 +9,12 @@ namespace roadbalance {
 
 /// Whole turns without an interruption, from one passage of angle 0 to another.
 struct TurnBlock {
-  std::int64_t first_turn = 0;  ///< counted since the angle became known
-  std::int64_t run = 0;         ///< which uninterrupted stretch it is of
-  double rotation_hz = 0.0;     ///< mean
-  std::uint32_t overload = 0;   ///< bit k: channel k is not to be used
-  Eigen::MatrixXd values;       ///< [row x channel]
+  std::int64_t first_turn = 0;      ///< counted since the angle became known
+  std::int64_t run = 0;             ///< which uninterrupted stretch it is of
+  double rotation_hz = 0.0;         ///< mean
+  double from_s = 0.0, to_s = 0.0;  ///< AngleRow::time_s of its first row, and where the next one is due
+  std::uint32_t overload = 0;       ///< bit k: channel k is not to be used
+  Eigen::MatrixXd values;           ///< [row x channel]
 };
 
 /// Gathers rows into blocks.
