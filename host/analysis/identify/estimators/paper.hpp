@@ -16,15 +16,20 @@ namespace roadbalance {
 class RelationEstimator final : public Estimator {
  public:
   /// @throws std::invalid_argument as RelationFilter
-  RelationEstimator(Question question, RelationFilter::Options filter, RelationOptions relation);
+  RelationEstimator(Question question, RelationOptions options);
 
   void add(const Stretch& stretch) override;
   EstimatorAnswer solve() const override;
 
+  const RelationOptions& options() const { return options_; }
+
  private:
+  EstimatorAnswer solve_directly() const;
+  EstimatorAnswer solve_with_unknown_road() const;
+
   Question question_;
+  RelationOptions options_;
   RelationFilter filter_;
-  RelationOptions relation_;
   Grouped<RelationCovariances> sums_;
 };
 

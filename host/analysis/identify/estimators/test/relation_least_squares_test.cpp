@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <limits>
+#include <iostream>
 
+#include "host/analysis/identify/estimators/paper.hpp"
 #include "host/analysis/identify/test/reference_car.hpp"
 
 namespace roadbalance::test {
@@ -21,6 +23,7 @@ RelationCovariances exact(const ExactDrive& drive, double speed_km_h, const std:
   RelationCovariances sums;
   sums.seconds = 1.0;
   sums.metres = speed_km_h / 3.6;
+  for (int w = 0; w < kWheels; ++w) sums.turned_rad(w) = drive.omega(w);
   const Eigen::Index rows = (order - 2) * kRelationSignals;
   sums.power = Eigen::VectorXd::Zero(rows);
   for (const double lag_s : lags_s) {
@@ -124,16 +127,18 @@ TEST(RelationLeastSquares, MissesTheTruthWithTheSignOfTheStiffnessTermFlipped) {
             0.5);
 }
 
-/// On a road so smooth that its speeds hardly differ in anything but lambda, the unknown takes it all.
-TEST(RelationLeastSquares, EliminatesAnUnknownRoadBySpeeds) {
-  const std::vector lags{0.0, 0.010, 0.020, 0.040};
-  const RelationOptions paper{Instruments::kAll, Road::kUnknown};
-  EXPECT_LT(error(solve_relation(exact_drives(lags, 5, 30.0, 16e-12), question(Asked::kWheels), paper)),
-            1e-6);
-  // The contact patch's corner moves with the speed: C_yu is not the same but for lambda.
-  EXPECT_LT(error(solve_relation(exact_drives(lags), question(Asked::kWheels), paper)), 0.01);
-  const RelationOptions own{Instruments::kOwn, Road::kUnknownForAccelerations};
-  EXPECT_LT(error(solve_relation(exact_drives(lags), question(Asked::kWheels), own)), 0.01);
+/// Answers to exact covariances of the instruments and lags of each kind that is shipped.
+TEST(RelationLeastSquares, FindsTheCarInEveryShippedWay) {
+  for (const auto kinds : {paper_kinds, own_past_kinds})
+    for (const EstimatorKind& kind : kinds()) {
+      const auto estimator = kind.make(question(Asked::kWheels));
+      const RelationOptions& options = dynamic_cast<const RelationEstimator&>(*estimator).options();
+      const auto sums = exact_drives(options.filter.lags_s, options.filter.order, options.filter.cutoff_hz);
+      const double wheels = error(solve_relation(sums, question(Asked::kWheels), options));
+      std::cout << kind.name << " " << wheels << " " << error(solve_relation(sums, question(Asked::kEverything), options)) << "\n";
+      EXPECT_LT(wheels, 1e-3) << kind.name;
+      EXPECT_LT(error(solve_relation(sums, question(Asked::kEverything), options)), 1e-3) << kind.name;
+    }
 }
 
 TEST(RelationLeastSquares, NeedsTwoSpeedsWithTheRoadUnknown) {
