@@ -26,10 +26,9 @@ struct Variant {
 
 template <int kOrder, int kLags, bool kRoadUnknown>
 std::unique_ptr<Estimator> make(const Question& question) {
-  RelationOptions options{
-      .instruments = kRoadUnknown ? RelationInstruments::kAll : RelationInstruments::kOwn,
-      .road = kRoadUnknown ? RelationRoad::kUnknown : RelationRoad::kNone,
-      .filter = {.order = kOrder, .cutoff_hz = kCutoff_hz, .lags_s = {}}};
+  RelationOptions options{.instruments = kRoadUnknown ? RelationInstruments::kAll : RelationInstruments::kOwn,
+                          .road = kRoadUnknown ? RelationRoad::kUnknown : RelationRoad::kNone,
+                          .filter = {.order = kOrder, .cutoff_hz = kCutoff_hz, .lags_s = {}}};
   for (int i = 0; i < kLags; ++i) options.filter.lags_s.push_back(0.010 * (kRoadUnknown ? i : i + 1));
   return std::make_unique<RelationEstimator>(question, options);
 }

@@ -136,7 +136,8 @@ constexpr Quantity kQuantities[] = {{"stiffness", "%", "ct median %", "ct sd %"}
 
 /// What the paper reads off its Fig. 3; road, size of unbalance and lags are not given there.
 std::string claim_of(const Quantity& quantity, int samples) {
-  if (std::string(quantity.name) == "stiffness") return samples >= 5000 ? "enough samples" : "too few samples";
+  if (std::string(quantity.name) == "stiffness")
+    return samples >= 5000 ? "enough samples" : "too few samples";
   return samples >= 20000 ? "< 10 " + std::string(quantity.unit) : "too few samples";
 }
 
@@ -188,9 +189,10 @@ Json acceptance_of(const Json& rows) {
     for (const int samples : {5000, 20000, 100000})
       if (value_of(rows, kHarmonicBound, samples, "ct sd %") < kLinearBound_percent)
         for (const Quantity& quantity : kQuantities)
-          judge(of(name, samples, std::string(quantity.median) + ", of the harmonic part's bound"), name, samples,
-                quantity.median,
-                kMedianOfDeviation * value_of(rows, kHarmonicBound, samples, quantity.deviation), 0.0, kMostOfBound);
+          judge(of(name, samples, std::string(quantity.median) + ", of the harmonic part's bound"), name,
+                samples, quantity.median,
+                kMedianOfDeviation * value_of(rows, kHarmonicBound, samples, quantity.deviation), 0.0,
+                kMostOfBound);
   for (const int samples : {20000, 100000})
     for (const char* column : {"mass sd %", "angle sd deg"})
       if (holds(samples))
@@ -233,7 +235,8 @@ StudyResult summarise_fig3(const Json& settings, const std::vector<Json>& runs) 
   if (coherence2 > 0.0) names.push_back("bound, " + Json(coherence2).dump());
   for (const Json& samples : settings["samples"]) {
     rows.push_back(bound_row("bound, 0", samples, bound_for(settings, samples.get<double>(), 0.0)));
-    rows.push_back(bound_row(kHarmonicBound, samples, bound_for(settings, samples.get<double>(), 0.0, false)));
+    rows.push_back(
+        bound_row(kHarmonicBound, samples, bound_for(settings, samples.get<double>(), 0.0, false)));
     if (coherence2 > 0.0)
       rows.push_back(bound_row(names[2], samples, bound_for(settings, samples.get<double>(), coherence2)));
   }

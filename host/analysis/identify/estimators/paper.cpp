@@ -42,9 +42,8 @@ RelationOptions own_past() {
   return {.instruments = Instruments::kOwn, .road = Road::kNone, .filter = {.lags_s = kPast_s}};
 }
 RelationOptions own_past_windowed() {
-  return {.instruments = Instruments::kOwn,
-          .road = Road::kNone,
-          .filter = {.lags_s = kPast_s, .windowed = true}};
+  return {
+      .instruments = Instruments::kOwn, .road = Road::kNone, .filter = {.lags_s = kPast_s, .windowed = true}};
 }
 
 }  // namespace
@@ -60,16 +59,18 @@ void RelationEstimator::add(const Stretch& stretch) {
 
 EstimatorAnswer RelationEstimator::solve() const {
   EstimatorAnswer answer = options_.road == Road::kUnknown ? solve_with_unknown_road() : solve_directly();
+  if (options_.road == Road::kUnknown)
+    answer.diagnostics.emplace_back(
+        "the road is eliminated by how its covariances grow with the speed, and with it what it tells of the "
+        "tyres: stiffness and unbalance rest on the unbalance's own vibration");
   if (options_.instruments == Instruments::kAngles)
     answer.diagnostics.emplace_back(
         "± is the scatter alone: the road's share in the equations pulls stiffness and unbalance off beyond "
-        "it, "
-        "the more the shorter the drive");
+        "it, the more the shorter the drive");
   if (options_.road == Road::kMeasured && !question_.known.segment<kWheels>(kTyreDamper).isZero(0.0))
     answer.diagnostics.emplace_back(
         "the damping of the tyres in vehicle.toml (tyre_damper_n_s_m) acts on the road's rate of change, "
-        "too, "
-        "which these equations leave out: stiffness and unbalance are off beyond ±");
+        "too, which these equations leave out: stiffness and unbalance are off beyond ±");
   if (answer.x.allFinite()) return answer;
   const std::size_t speeds = sums_.speeds();
   if (speeds == 0)
@@ -77,7 +78,8 @@ EstimatorAnswer RelationEstimator::solve() const {
         options_.road == Road::kMeasured ? "no steady driving over a measured road" : "no steady driving");
   else if (options_.road == Road::kUnknown && speeds < 2)
     answer.diagnostics.emplace_back(
-        "the road is not measured and only speeds tell it from the unbalance: drive at two speeds or more");
+        "the road is not measured and only speeds tell the stiffness from the unbalance: drive at two speeds "
+        "or more");
   else
     answer.diagnostics.emplace_back(
         "the drive does not tell all that was asked; a wheel without angle has no unbalance");
@@ -94,22 +96,19 @@ EstimatorAnswer RelationEstimator::solve_with_unknown_road() const {
   const BySpeed<RelationCovariances> all = sums_.all();
   const auto road = UnknownRoad::fit(all, question_, options_);
   if (!road) return judged(question_, std::nullopt, std::nullopt);
-  // Weights and lambda of the whole serve every group: fitted anew they differ by what the groups' own scatter
-  // makes of them, which is of second order.
+  // Weights and lambda of the whole serve every group: fitted anew they differ by what the groups' own
+  // scatter makes of them, which is of second order.
   const auto solve = [&](const BySpeed<RelationCovariances>& sums) { return road->solve(sums); };
   return judged(question_, solve(all), sums_.covariance(solve));
 }
 
 std::vector<EstimatorKind> paper_kinds() {
   return {
-      {"paper", "the paper: all covariances at lag 0, those with the road unknown", false,
-       make<paper>},
+      {"paper", "the paper: all covariances at lag 0, those with the road unknown", false, make<paper>},
       {"paper-lags", "the paper with lags of 0, 10, 20 and 40 ms", false, make<paper_lags>},
-      {"paper-own", "the same, instruments the wheel's own acceleration and angle", false,
-       make<paper_own>},
+      {"paper-own", "the same, instruments the wheel's own acceleration and angle", false, make<paper_own>},
       {"paper-road", "the paper, road measured, lag 0", true, make<paper_road>},
-      {"paper-road-lags", "the paper, road measured, lags of 0, 4 and 10 ms", true,
-       make<paper_road_lags>},
+      {"paper-road-lags", "the paper, road measured, lags of 0, 4 and 10 ms", true, make<paper_road_lags>},
       {"windowed-road", "road measured, the relation's exact form for a finite record", true,
        make<windowed_road>},
   };
@@ -119,8 +118,7 @@ std::vector<EstimatorKind> own_past_kinds() {
   return {
       {"own-past", "instruments the wheel's acceleration 10, 20 and 40 ms ago and its angle: no road in them",
        false, make<own_past>},
-      {"own-past-windowed", "own-past in the exact form for a finite record", false,
-       make<own_past_windowed>},
+      {"own-past-windowed", "own-past in the exact form for a finite record", false, make<own_past_windowed>},
   };
 }
 

@@ -34,8 +34,8 @@ struct Pair {
   int i, j;
 };
 /// Entries of b: diagonal first.
-constexpr std::array<Pair, 10> kPairs{
-    Pair{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1}, {2, 3}, {0, 2}, {1, 3}, {0, 3}, {1, 2}};
+constexpr std::array<Pair, 10> kPairs{Pair{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1},
+                                      {2, 3},     {0, 2}, {1, 3}, {0, 3}, {1, 2}};
 
 int signal_of(const RelationInstrument& instrument) {
   return instrument.row % kRelationSignals;
@@ -57,8 +57,8 @@ RelationPrediction::RelationPrediction(const PredictedCar& car, const RelationCo
       seconds_(measured.seconds),
       omega_(measured.omega()) {
   if (measured.lag.size() != filter.lags_s.size())
-    throw std::invalid_argument("covariances of " + std::to_string(measured.lag.size()) + " lags, a filter of " +
-                                std::to_string(filter.lags_s.size()));
+    throw std::invalid_argument("covariances of " + std::to_string(measured.lag.size()) +
+                                " lags, a filter of " + std::to_string(filter.lags_s.size()));
   if (measured.power.size() != H_.instruments() * kRelationSignals)
     throw std::invalid_argument("covariances of " + std::to_string(measured.power.size()) +
                                 " instruments, a filter of order " + std::to_string(filter.order));
@@ -76,7 +76,8 @@ RelationPrediction::RelationPrediction(const PredictedCar& car, const RelationCo
   line_filter_.setZero();
   for (int i = 0; i < kWheels; ++i) {
     if (!(omega_(i) > 0.0)) continue;
-    line_.col(i) = unbalance_response(car.model, i, omega_(i)) * car.unbalance_kg_m[static_cast<std::size_t>(i)];
+    line_.col(i) =
+        unbalance_response(car.model, i, omega_(i)) * car.unbalance_kg_m[static_cast<std::size_t>(i)];
     line_filter_.col(i) = filter_at(omega_(i));
   }
   fit_roads(measured);
@@ -165,7 +166,7 @@ Eigen::RowVector4cd RelationPrediction::phasors(const RelationInstrument& instru
   Eigen::RowVector4cd A = Eigen::RowVector4cd::Zero();
   for (int i = 0; i < kWheels; ++i) {
     // cos alpha = Re{e^{j alpha}}, sin alpha = Re{-j e^{j alpha}}.
-    const Complex input = signal < kCoordinates      ? line_(signal, i)
+    const Complex input = signal < kCoordinates     ? line_(signal, i)
                           : signal == cosine_row(i) ? Complex(1.0)
                           : signal == sine_row(i)   ? -kJ
                                                     : Complex(0.0);
@@ -175,7 +176,8 @@ Eigen::RowVector4cd RelationPrediction::phasors(const RelationInstrument& instru
   return A;
 }
 
-Eigen::VectorXd RelationPrediction::road(int wheel, const std::vector<RelationInstrument>& instruments) const {
+Eigen::VectorXd RelationPrediction::road(int wheel,
+                                         const std::vector<RelationInstrument>& instruments) const {
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(instruments.size()));
   for (const Frequency& f : grid_) {
     const Eigen::Vector4cd e = advance(f.omega);
@@ -215,7 +217,8 @@ Eigen::MatrixXd RelationPrediction::scatter(int wheel,
       const int signal = signal_of(instrument);
       if (signal >= kCoordinates) continue;
       const Eigen::RowVector4cd w = std::conj(f.filter(state_of(instrument))) *
-                                    std::polar(1.0, f.omega * options_.lags_s[instrument.lag]) * z.row(signal);
+                                    std::polar(1.0, f.omega * options_.lags_s[instrument.lag]) *
+                                    z.row(signal);
       X.block<1, kWheels>(a, kWheels * k) = std::sqrt(weight) * force.norm() * w;
       Y(a, k) = std::sqrt(weight) * (w * force.adjoint()).value();
     }
@@ -224,8 +227,8 @@ Eigen::MatrixXd RelationPrediction::scatter(int wheel,
     X.row(a).tail<kWheels>() = phasors(instruments[static_cast<std::size_t>(a)]).conjugate();
   for (int i = 0; i < kWheels; ++i)
     if (omega_(i) > 0.0)
-      X.col(kWheels * frequencies + i) *= std::abs(tyre(wheel, omega_(i))) *
-                                          std::sqrt(0.5 * roads_(wheel, wheel) * road_shape(omega_(i)));
+      X.col(kWheels * frequencies + i) *=
+          std::abs(tyre(wheel, omega_(i))) * std::sqrt(0.5 * roads_(wheel, wheel) * road_shape(omega_(i)));
   const Eigen::MatrixXd Xr = X.real(), Xi = X.imag(), Yr = Y.real(), Yi = Y.imag();
   return (Xr * Xr.transpose() + Xi * Xi.transpose() + Yr * Yr.transpose() - Yi * Yi.transpose()) / seconds_;
 }

@@ -28,8 +28,8 @@ struct RelationInstrument {
 /// instruments' filter and the spectrum of the roads.
 ///
 /// With G(om) from road heights to accelerations, h_a(om) from the acceleration that it filters to instrument
-/// a and S_u(om) the spectral matrix of the roads, E[w''_a(t) F(t + tau)] of the force F = (ct + j om dt) u of
-/// a tyre on its wheel is
+/// a and S_u(om) the spectral matrix of the roads, E[w''_a(t) F(t + tau)] of the force F = (ct + j om dt) u
+/// of a tyre on its wheel is
 ///
 ///     integral conj(h_a G_a) S_u' F e^{j om tau} df.                                           (a)
 ///
@@ -62,7 +62,8 @@ class RelationPrediction {
   /// P the two-sided spectra of the random parts of instruments (as late as their lags) and force, A the
   /// instruments' phasors at the order of wheel i.
   ///
-  /// Source: G. M. Jenkins, D. G. Watts, Spectral Analysis and its Applications, 1968, section 5.3 (Bartlett).
+  /// Source: G. M. Jenkins, D. G. Watts, Spectral Analysis and its Applications, 1968, section 5.3
+  /// (Bartlett).
   Eigen::MatrixXd scatter(int wheel, const std::vector<RelationInstrument>& instruments) const;
 
   /// Harmonic parts [instrument x 3] of the left side of (2), the wheel's row, for a unit of its tyre's
@@ -72,8 +73,8 @@ class RelationPrediction {
  private:
   struct Frequency {
     double omega;
-    double weight;                                                ///< of the two-sided integral, times S_u
-    Eigen::VectorXcd filter;                                      ///< h of w''_j
+    double weight;                                                 ///< of the two-sided integral, times S_u
+    Eigen::VectorXcd filter;                                       ///< h of w''_j
     Eigen::Matrix<std::complex<double>, kCoordinates, kWheels> G;  ///< accelerations per road height
   };
 
@@ -94,8 +95,8 @@ class RelationPrediction {
   Eigen::Vector4d omega_;
   std::vector<Frequency> grid_;
   Eigen::Matrix<std::complex<double>, kCoordinates, kWheels> line_;  ///< phasors of z'' at each wheel's order
-  Eigen::MatrixXcd line_filter_;   ///< [instrument j x wheel] h at each wheel's order
-  Eigen::Matrix4d roads_, root_;   ///< b = root root'
+  Eigen::MatrixXcd line_filter_;  ///< [instrument j x wheel] h at each wheel's order
+  Eigen::Matrix4d roads_, root_;  ///< b = root root'
 };
 
 }  // namespace roadbalance

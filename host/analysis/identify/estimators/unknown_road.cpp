@@ -12,7 +12,7 @@ namespace roadbalance {
 namespace {
 
 constexpr int kIterations = 30;
-constexpr double kConverged = 1e-8;  ///< of stiffness and unbalance
+constexpr double kConverged = 1e-6;  ///< of stiffness and unbalance
 constexpr double kMostMove = 2.0;    ///< factor of a stiffness from one iteration to the next
 /// Ends of a finite record leave up to 3 % of the scatter: equations that differ by no more are one.
 constexpr double kEnds = 1e-3;
@@ -117,13 +117,13 @@ bool UnknownRoad::weigh(const BySpeed<RelationCovariances>& sums, const Question
       speed.size = V.diagonal().cwiseSqrt();
       if (!(speed.size.minCoeff() > 0.0) || !V.allFinite()) return false;
       const Eigen::VectorXd scale = speed.size.cwiseInverse();
-      speed.V.compute(scale.asDiagonal() * V * scale.asDiagonal() +
-                      kEnds * Eigen::MatrixXd::Identity(n, n));
+      speed.V.compute(scale.asDiagonal() * V * scale.asDiagonal() + kEnds * Eigen::MatrixXd::Identity(n, n));
       speed.a = scale.asDiagonal() * prediction.harmonic(wheel.wheel, wheel.instruments)(Eigen::all, columns);
       speed.road = scale.cwiseProduct(prediction.road(wheel.wheel, wheel.instruments));
       Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, unknown_roads);
       for (Eigen::Index c = 0; c < unknown_roads; ++c)
-        G(accelerations[static_cast<std::size_t>(c)], c) = speed.road(accelerations[static_cast<std::size_t>(c)]);
+        G(accelerations[static_cast<std::size_t>(c)], c) =
+            speed.road(accelerations[static_cast<std::size_t>(c)]);
       normal += G.transpose() * speed.V.solve(G);
       right += G.transpose() * speed.V.solve(speed.a);
       speeds.emplace(key, std::move(speed));
@@ -169,7 +169,7 @@ std::optional<UnknownRoad> UnknownRoad::fit(const BySpeed<RelationCovariances>& 
     auto next = road.solve(sums);
     if (!next) return std::nullopt;
     for (int i = kEstimatedTyre; i < kEstimatedTyre + kWheels; ++i)
-      if (std::isfinite((*next)(i))) (*next)(i) = std::clamp((*next)(i), x(i) / kMostMove, x(i)* kMostMove);
+      if (std::isfinite((*next)(i))) (*next)(i) = std::clamp((*next)(i), x(i) / kMostMove, x(i) * kMostMove);
     const double moved = change(x, *next);
     x = *next;
     if (moved < kConverged) break;
@@ -208,7 +208,8 @@ std::optional<UnknownVector> UnknownRoad::solve(const BySpeed<RelationCovariance
     const Eigen::VectorXd left = A.rowwise().norm(), right = A.colwise().norm();
     if (!A.allFinite() || !(left.minCoeff() > 0.0) || !(right.minCoeff() > 0.0)) return std::nullopt;
     const Eigen::VectorXd unit = right.cwiseInverse();
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(left.cwiseInverse().asDiagonal() * A * unit.asDiagonal());
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(left.cwiseInverse().asDiagonal() * A *
+                                                         unit.asDiagonal());
     if (qr.rank() < n) return std::nullopt;
     x(wheel.unknown) = unit.cwiseProduct(qr.solve(b.cwiseQuotient(left)));
   }

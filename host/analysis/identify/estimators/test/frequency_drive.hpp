@@ -13,8 +13,8 @@
 
 namespace roadbalance::test {
 
-/// Result of RelationFilter after infinitely long driving of the reference car over roads that its wheels share:
-/// midpoint sums over frequency of response times the roads' spectral matrix, the filter by its poles.
+/// Result of RelationFilter after infinitely long driving of the reference car over roads that its wheels
+/// share: midpoint sums over frequency of response times the roads' spectral matrix, the filter by its poles.
 inline RelationCovariances frequency_covariances(double speed_m_s, const RoadStatistics& road,
                                                  const RelationFilter::Options& filter) {
   using Complex = std::complex<double>;
@@ -49,8 +49,9 @@ inline RelationCovariances frequency_covariances(double speed_m_s, const RoadSta
       Eigen::MatrixXd::Zero(rows, kWheels)};
   sums.lag.assign(filter.lags_s.size(), none);
   // Adds an instrument's covariances with z'' and others, cross [signal x what is measured] of the inputs.
-  const auto add = [&](double om, double weight, const Eigen::MatrixXcd& with_z, const Eigen::MatrixXcd& with_d,
-                       const Eigen::MatrixXcd& with_u, const Eigen::VectorXd& power) {
+  const auto add = [&](double om, double weight, const Eigen::MatrixXcd& with_z,
+                       const Eigen::MatrixXcd& with_d, const Eigen::MatrixXcd& with_u,
+                       const Eigen::VectorXd& power) {
     const Eigen::VectorXcd h = instruments(om);
     for (int j = 0; j < states; ++j) {
       const Eigen::Index first = j * kRelationSignals;
@@ -73,7 +74,8 @@ inline RelationCovariances frequency_covariances(double speed_m_s, const RoadSta
     Eigen::MatrixXcd signals = Eigen::MatrixXcd::Zero(kRelationSignals, kWheels);
     signals.topRows<kCoordinates>() = z;
     signals.bottomRows<kWheels>().setIdentity();
-    const Eigen::MatrixXcd roads = signals.conjugate() * road.coherence(kReferenceGeometry, om, speed_m_s).conjugate();
+    const Eigen::MatrixXcd roads =
+        signals.conjugate() * road.coherence(kReferenceGeometry, om, speed_m_s).conjugate();
     add(om, 2.0 * kGrid_hz * road.density(om, speed_m_s), roads * z.transpose(),
         Eigen::MatrixXcd::Zero(kRelationSignals, 2 * kWheels), roads,
         (roads * signals.transpose()).diagonal().real());
