@@ -26,12 +26,11 @@ struct Variant {
 
 template <int kOrder, int kLags, bool kRoadUnknown>
 std::unique_ptr<Estimator> make(const Question& question) {
-  RelationFilter::Options filter{.order = kOrder, .cutoff_hz = kCutoff_hz, .lags_s = {}};
-  for (int i = 0; i < kLags; ++i) filter.lags_s.push_back(0.010 * (kRoadUnknown ? i : i + 1));
-  const RelationOptions relation{
-      .instruments = kRoadUnknown ? RelationInstruments::kAll : RelationInstruments::kOwn,
-      .road = kRoadUnknown ? RelationRoad::kUnknown : RelationRoad::kNone};
-  return std::make_unique<RelationEstimator>(question, filter, relation);
+  RelationOptions options{.instruments = kRoadUnknown ? RelationInstruments::kAll : RelationInstruments::kOwn,
+                          .road = kRoadUnknown ? RelationRoad::kUnknown : RelationRoad::kNone,
+                          .filter = {.order = kOrder, .cutoff_hz = kCutoff_hz, .lags_s = {}}};
+  for (int i = 0; i < kLags; ++i) options.filter.lags_s.push_back(0.010 * (kRoadUnknown ? i : i + 1));
+  return std::make_unique<RelationEstimator>(question, options);
 }
 
 template <int kOrder, int kLags, bool kRoadUnknown>

@@ -226,7 +226,7 @@ std::vector<EstimatorKind> harmonic_kinds() {
       {"harmonic", "the wheels' angles as instruments, least squares", false,
        [](const Question& question) -> std::unique_ptr<Estimator> {
          return std::make_unique<RelationEstimator>(
-             question, RelationFilter::Options{},
+             question,
              RelationOptions{.instruments = RelationInstruments::kAngles, .road = RelationRoad::kNone});
        }},
       {"harmonic-ml", "maximum likelihood of the accelerations at the wheels' orders", false,

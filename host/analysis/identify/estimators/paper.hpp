@@ -9,30 +9,34 @@
 namespace roadbalance {
 
 /// The covariance method: sample covariances of filtered with measured signals at some lags, at several
-/// speeds, and relation (2) between them solved for all that is asked by one least squares (27).
+/// speeds, and relation (2) between them solved for all that is asked (27).
 ///
 /// Memory: for each speed class and jackknife group 57 instruments (order 5) times 19 signals, times 3, a
 /// lag.
 class RelationEstimator final : public Estimator {
  public:
   /// @throws std::invalid_argument as RelationFilter
-  RelationEstimator(Question question, RelationFilter::Options filter, RelationOptions relation);
+  RelationEstimator(Question question, RelationOptions options);
 
   void add(const Stretch& stretch) override;
   EstimatorAnswer solve() const override;
 
+  const RelationOptions& options() const { return options_; }
+
  private:
+  EstimatorAnswer solve_directly() const;
+  EstimatorAnswer solve_with_unknown_road() const;
+
   Question question_;
+  RelationOptions options_;
   RelationFilter filter_;
-  RelationOptions relation_;
   Grouped<RelationCovariances> sums_;
 };
 
 /// The paper's own, and those with the road measured.
 ///
-/// paper, paper-lags and paper-own take the equations as (27) has them, unscaled.  Least squares with the
-/// road's noise in the coefficients is biased, which no scatter shows; with scaled equations the errors of
-/// mass and angle are half as large (RelationOptions::scaled).
+/// paper, paper-lags and paper-own are (25)-(27) with lambda from the current estimate, the filter and the
+/// road (UnknownRoad), and equations weighed by their scatter.
 std::vector<EstimatorKind> paper_kinds();
 
 /// Without any unknown of the road: a wheel's past does not depend on the road to come, and white noise of

@@ -69,6 +69,7 @@ RelationCovariances& RelationCovariances::operator+=(const RelationCovariances& 
   if (lag.empty()) return *this = other;
   seconds += other.seconds;
   metres += other.metres;
+  turned_rad += other.turned_rad;
   power += other.power;
   for (std::size_t k = 0; k < lag.size(); ++k) {
     lag[k].w2_z += other.lag[k].w2_z;
@@ -119,6 +120,7 @@ void RelationFilter::parts(const Stretch& stretch, const Emit& emit) const {
     RelationCovariances sum;
     sum.seconds = static_cast<double>(samples) * step_s;
     sum.metres = sum.seconds * stretch.speed_m_s;
+    sum.turned_rad = sum.seconds * stretch.omega;
     sum.power = step_s * w.w2.rowwise().squaredNorm();
     for (const Eigen::Index tau : shift) {
       const auto later = [&](const auto& rows) { return rows.middleCols(from + tau, samples).transpose(); };

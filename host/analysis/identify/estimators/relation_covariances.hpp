@@ -29,10 +29,12 @@ struct LaggedCovariances {
 struct RelationCovariances {
   double seconds = 0.0;
   double metres = 0.0;
+  Eigen::Vector4d turned_rad = Eigen::Vector4d::Zero();  ///< by each wheel; 0: it has no reference
   std::vector<LaggedCovariances> lag;
   Eigen::VectorXd power;  ///< [instrument] integral of w''^2
 
   double speed_m_s() const { return metres / seconds; }
+  Eigen::Vector4d omega() const { return turned_rad / seconds; }  ///< rad/s
   RelationCovariances& operator+=(const RelationCovariances& other);
 };
 

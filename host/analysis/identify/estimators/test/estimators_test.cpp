@@ -110,9 +110,7 @@ TEST(Estimators, KnowHowWrongTheyAre) {
     double tyre, unbalance;  // 95 % of the errors are below
     bool honest = true;      // its ± holds all; else noise in the coefficients pulls it off, and it says so
   };
-  for (const Expected& e : {Expected{"paper-lags", 0.9, 0.8, false},
-                            {"paper-own", 0.9, 0.8, false},
-                            {"own-past", 0.11, 0.25},
+  for (const Expected& e : {Expected{"own-past", 0.11, 0.25},
                             {"own-past-windowed", 0.11, 0.25},
                             {"harmonic", 0.8, 0.8, false},
                             {"harmonic-ml", 0.5, 0.8},
@@ -129,6 +127,21 @@ TEST(Estimators, KnowHowWrongTheyAre) {
     }
     EXPECT_EQ(answer.x(kEstimatedTyre + 1), front_left().known(kTyre + 1)) << e.name;
     EXPECT_EQ(answer.covariance(kEstimatedTyre + 1, kEstimatedTyre + 1), 0.0) << e.name;
+  }
+}
+
+/// 40 s a speed, class A: four times what the harmonic part alone tells, 15.9 % of the stiffness and 14 % of
+/// the unbalance (10.1 % along, 5.6 deg across), and within 4 of their own standard deviations.  With 10 s
+/// the bound is as wide as the response is linear, and stiffnesses come out negative.
+TEST(Estimators, ComeNearTheBoundOfTheHarmonicPartWithTheRoadEliminated) {
+  const auto stretches = drive_ideally(plain_drive(16e-6, 20000), 11, demo_vehicle());
+  for (const char* name : {"paper", "paper-lags", "paper-own"}) {
+    const EstimatorAnswer answer = answer_of(name, front_left(), stretches);
+    EXPECT_LT(std::abs(tyre_error(answer)), 4.0 * 0.159) << name;
+    EXPECT_LT(unbalance_error(answer), 4.0 * 0.14) << name;
+    EXPECT_LT(std::abs(tyre_error(answer)), 4.0 * tyre_sigma(answer)) << name;
+    EXPECT_LT(unbalance_error(answer), 4.0 * unbalance_sigma(answer)) << name;
+    EXPECT_FALSE(answer.diagnostics.empty()) << name << " rests on the unbalance's own vibration";
   }
 }
 

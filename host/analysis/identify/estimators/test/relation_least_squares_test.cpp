@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
+#include "host/analysis/identify/estimators/paper.hpp"
+#include "host/analysis/identify/estimators/test/frequency_drive.hpp"
 #include "host/analysis/identify/test/reference_car.hpp"
 
 namespace roadbalance::test {
@@ -21,6 +24,7 @@ RelationCovariances exact(const ExactDrive& drive, double speed_km_h, const std:
   RelationCovariances sums;
   sums.seconds = 1.0;
   sums.metres = speed_km_h / 3.6;
+  for (int w = 0; w < kWheels; ++w) sums.turned_rad(w) = drive.omega(w);
   const Eigen::Index rows = (order - 2) * kRelationSignals;
   sums.power = Eigen::VectorXd::Zero(rows);
   for (const double lag_s : lags_s) {
@@ -124,16 +128,66 @@ TEST(RelationLeastSquares, MissesTheTruthWithTheSignOfTheStiffnessTermFlipped) {
             0.5);
 }
 
-/// On a road so smooth that its speeds hardly differ in anything but lambda, the unknown takes it all.
-TEST(RelationLeastSquares, EliminatesAnUnknownRoadBySpeeds) {
-  const std::vector lags{0.0, 0.010, 0.020, 0.040};
-  const RelationOptions paper{Instruments::kAll, Road::kUnknown};
-  EXPECT_LT(error(solve_relation(exact_drives(lags, 5, 30.0, 16e-12), question(Asked::kWheels), paper)),
-            1e-6);
-  // The contact patch's corner moves with the speed: C_yu is not the same but for lambda.
-  EXPECT_LT(error(solve_relation(exact_drives(lags), question(Asked::kWheels), paper)), 0.01);
-  const RelationOptions own{Instruments::kOwn, Road::kUnknownForAccelerations};
-  EXPECT_LT(error(solve_relation(exact_drives(lags), question(Asked::kWheels), own)), 0.01);
+/// Answers to exact covariances of the instruments and lags of each kind that is shipped.
+TEST(RelationLeastSquares, FindsTheCarInEveryShippedWay) {
+  for (const auto kinds : {paper_kinds, own_past_kinds})
+    for (const EstimatorKind& kind : kinds()) {
+      const auto estimator = kind.make(question(Asked::kWheels));
+      const RelationOptions& options = dynamic_cast<const RelationEstimator&>(*estimator).options();
+      const auto sums = exact_drives(options.filter.lags_s, options.filter.order, options.filter.cutoff_hz);
+      EXPECT_LT(error(solve_relation(sums, question(Asked::kWheels), options)), 1e-3) << kind.name;
+      EXPECT_LT(error(solve_relation(sums, question(Asked::kEverything), options)), 1e-3) << kind.name;
+    }
+}
+
+/// Wheels share their roads, rear ones later: what lambda is depends on all of it.
+BySpeed<RelationCovariances> shared_roads(const RoadStatistics& road, const RelationFilter::Options& filter) {
+  BySpeed<RelationCovariances> sums;
+  int key = 0;
+  for (const double speed : kSpeeds_km_h) sums.at[key++] = frequency_covariances(speed / 3.6, road, filter);
+  return sums;
+}
+
+RelationOptions options_of(const char* name) {
+  const auto estimator = make_estimator(name, question(Asked::kWheels));
+  return dynamic_cast<const RelationEstimator&>(*estimator).options();
+}
+
+TEST(RelationLeastSquares, EliminatesARoadThatWheelsShare) {
+  for (const char* name : {"paper", "paper-lags", "paper-own"})
+    for (const double exponent : {1.5, 2.0, 2.5}) {
+      RelationOptions options = options_of(name);
+      options.road_exponent = exponent;
+      const auto sums = shared_roads({.rear_coherence2 = 0.9, .exponent = exponent}, options.filter);
+      EXPECT_LT(error(solve_relation(sums, question(Asked::kWheels), options)), 1e-3)
+          << name << " " << exponent;
+    }
+}
+
+/// The roads' levels are measured at each speed: the exponent only bends their spectrum over the band of the
+/// wheels.
+TEST(RelationLeastSquares, HardlyNeedsTheExponentOfAnUnknownRoad) {
+  for (const char* name : {"paper", "paper-lags", "paper-own"}) {
+    const RelationOptions options = options_of(name);
+    const auto sums = shared_roads({.exponent = 2.5}, options.filter);
+    EXPECT_LT(error(solve_relation(sums, question(Asked::kWheels), options)), 0.02) << name;
+  }
+}
+
+/// As if each speed had been driven on another road.
+TEST(RelationLeastSquares, TakesEachSpeedsRoadAsRoughAsItIs) {
+  const RelationOptions options = options_of("paper");
+  BySpeed<RelationCovariances> sums;
+  for (const double speed : kSpeeds_km_h)
+    sums.at[static_cast<int>(speed)] =
+        frequency_covariances(speed / 3.6, {.roughness_m3 = 16e-6 * (speed - 100.0)}, options.filter);
+  EXPECT_LT(error(solve_relation(sums, question(Asked::kWheels), options)), 1e-3);
+}
+
+TEST(RelationLeastSquares, RefusesLagsThatTheFilterHasNot) {
+  EXPECT_THROW(solve_relation(exact_drives({0.0, 0.010}), question(Asked::kWheels),
+                              {Instruments::kAll, Road::kUnknown}),
+               std::invalid_argument);
 }
 
 TEST(RelationLeastSquares, NeedsTwoSpeedsWithTheRoadUnknown) {
