@@ -24,14 +24,17 @@ void Decimator::consume(const SignalRun& run) {
   if (run.restart) {
     signals_.restart(run.first_index);
     restart_ = true;
+    spoiled_ = spoiled_ || run.spoiled;
   }
   const bool measured = run.road_m.cols() > 0;
   if (run.restart || !measured) road_.restart(run.first_index + (measured ? 0 : run.samples.cols()));
   for (Eigen::Index i = 0; i < run.samples.cols(); ++i) {
     const bool has_road = measured && road_.add(run.road_m.col(i));
     if (!signals_.add(run.samples.col(i))) continue;
-    IdentificationSample sample{
-        .signals = signals_.output(), .restart = std::exchange(restart_, false), .time_ns = run.time_ns};
+    IdentificationSample sample{.signals = signals_.output(),
+                                .restart = std::exchange(restart_, false),
+                                .spoiled = std::exchange(spoiled_, false),
+                                .time_ns = run.time_ns};
     if (has_road) sample.road_m = road_.output();
     emit_(sample);
   }

@@ -20,6 +20,7 @@ int decimation_factor(const VehicleConfig& vehicle);
 struct IdentificationSample {
   SignalVector signals;
   bool restart = false;  ///< samples are missing before it
+  bool spoiled = false;  ///< nor are those before them good, since the last restart
   std::int64_t time_ns = 0;
   std::optional<Eigen::Vector4d> road_m{};  ///< nothing: not measured
 };
@@ -40,7 +41,7 @@ class Decimator {
 
  private:
   DecimatingFilter signals_, road_;
-  bool restart_ = true;
+  bool restart_ = true, spoiled_ = false;
   Emit emit_;
 };
 
