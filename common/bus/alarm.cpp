@@ -39,6 +39,7 @@ constexpr std::array kNames{
     Named{AlarmCause::kWrongMarks, "zero marks name no tooth"},
     Named{AlarmCause::kNodeMissing, "does not measure"},
     Named{AlarmCause::kNodeLeftOut, "is not recorded"},
+    Named{AlarmCause::kClipped, "clipped"},
 };
 constexpr std::array kWheelWords{"front left", "front right", "rear left", "rear right"};
 constexpr std::int64_t kParts = 100;

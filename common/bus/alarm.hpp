@@ -47,6 +47,7 @@ enum class AlarmCause : std::int32_t {
   kWrongMarks = 311,   ///< zero marks of an encoder name no tooth, so there is no angle (line 0..1)
   kNodeMissing = 312,  ///< it does not measure though the recording goes on
   kNodeLeftOut = 313,  ///< there is no room for it
+  kClipped = 314,      ///< tops are cut off at one value (channel 0..15)
 };
 
 /// Clocks of two nodes may be apart by so much: 0.3 degrees at 18 turns a second.

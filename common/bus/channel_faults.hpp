@@ -13,6 +13,10 @@ inline bool is_dead(const Level& level, std::size_t channel) {
 inline bool is_railed(const Level& level, std::size_t channel) {
   return (level.dead >> (kChannels + channel) & 1U) != 0;
 }
+/// At a value beyond which it is cut off, whatever range vehicle.toml gives it.
+inline bool is_clipped(const Level& level, std::size_t channel) {
+  return (level.clipped >> channel & 1U) != 0;
+}
 inline void set_dead(Level& level, std::size_t channel) {
   level.dead |= 1U << channel;
 }

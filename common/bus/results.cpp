@@ -22,6 +22,7 @@ struct Fields<Level> {
     field(l.peak, m.peak, is_size);
     field(l.overload, m.overload);
     field(l.dead, m.dead);
+    field(l.clipped, m.clipped);
     field(l.speed_m_s, m.speed_m_s, is_not_infinite);
     field(l.rotation_hz, m.rotation_hz, is_not_infinite);
     field(l.skipped, m.skipped);

@@ -22,6 +22,7 @@ struct Level {
   std::array<double, kChannels> mean{}, rms{}, peak{};
   std::uint32_t overload = 0;
   std::uint32_t dead = 0;
+  std::uint32_t clipped = 0;
   double speed_m_s = 0;
   std::array<double, kEncoderLines> rotation_hz{};  ///< [encoder line]; NaN: not known
   std::int64_t skipped = 0;

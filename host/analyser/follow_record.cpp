@@ -88,6 +88,8 @@ class Follower {
 
   void publish_remarks(const DriveEstimate& estimate) {
     std::vector<std::string> sentences = diagnostics(estimate.identification, estimate.balance);
+    if (!sentences.empty())
+      for (std::string& sentence : estimator_.clipped()) sentences.push_back(std::move(sentence));
     if (std::string refusal = estimator_.refusal(); !refusal.empty())
       sentences.insert(sentences.begin(), std::move(refusal));
     if (!before_name_.empty() && !before_ && before_in_.finished())

@@ -22,6 +22,7 @@
 #include "host/analyser/tap_meter.hpp"
 #include "host/analyser/transfer_function_view.hpp"
 #include "host/analyser/waterfall_view.hpp"
+#include "host/analysis/identify/clipped_channels.hpp"
 #include "host/analysis/spectra/channel_watch.hpp"
 #include "host/analysis/spectra/envelopes.hpp"
 #include "host/analysis/spectra/spectra.hpp"
@@ -58,6 +59,8 @@ struct NodeView {
   SpectrumMeter spectra;
   EnvelopeMeter envelopes;
   TapMeter taps;
+  ClippedChannels clipping;
+  std::uint32_t clipped = 0;  ///< since the last level
   SampleBeat level_beat{kLevel_s}, spectrum_beat{kSpectrum_s};
   InSequence sequence{InSequence::From::kFirstHeard};
 };
@@ -76,7 +79,8 @@ class LiveView {
       nodes_.emplace(node.id, NodeView{.levels = LevelMeter(vehicle, node),
                                        .spectra = SpectrumMeter(node),
                                        .envelopes = EnvelopeMeter(node),
-                                       .taps = TapMeter(node)});
+                                       .taps = TapMeter(node),
+                                       .clipping = ClippedChannels(node)});
     const auto take = [this](std::string_view, std::span<const std::uint8_t> bytes) { add(bytes); };
     bus_.subscribe("RB_BLOCK_.*", take);
     bus_.subscribe("RB_PREVIEW_.*", take);
@@ -111,6 +115,7 @@ class LiveView {
     auto level = node.levels.take();
     if (!level) return;
     level->skipped = node.sequence.missing();
+    level->clipped = std::exchange(node.clipped, 0);
     watch_.judge(*level);
     bus_.publish(kLevelChannel, encode(*level));
   }
@@ -158,6 +163,7 @@ class LiveView {
     if (block.kind != BlockKind::kScan) return;
     const ScanBlock scans = decode_scan(block);
     node.levels.add(scans);
+    node.clipped |= static_cast<std::uint32_t>(node.clipping.add(scans).reached);
     node.spectra.add(scans);
     const WallTime now = WallClock::now();
     if (node.level_beat.due(scans, now)) publish_level(node);

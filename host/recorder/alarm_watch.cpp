@@ -70,6 +70,7 @@ void AlarmWatch::take_channels(const Level& level, WallTime now) {
   for (std::size_t c = 0; c < kChannels; ++c) {
     const auto of = [&](AlarmCause cause) { return Alarm{cause, level.node, static_cast<std::int32_t>(c)}; };
     if ((level.overload >> c & 1U) != 0) log_.raise(of(AlarmCause::kOverload), "", now);
+    if (is_clipped(level, c)) log_.raise(of(AlarmCause::kClipped), "choose a larger range", now);
     if (is_dead(level, c)) log_.raise(of(AlarmCause::kDeadChannel), "", now);
     if (is_railed(level, c)) log_.raise(of(AlarmCause::kRailedChannel), "", now);
   }

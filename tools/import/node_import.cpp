@@ -9,6 +9,7 @@
 #include "common/config/section.hpp"
 #include "common/text/format.hpp"
 #include "common/vehicle/gravity.hpp"
+#include "host/analysis/identify/clipped_channels.hpp"
 
 namespace roadbalance {
 namespace {
@@ -20,13 +21,26 @@ constexpr double kMostOffset_m_s2 =
     2.0 * kStandardGravity_m_s2;             // gravity is 1 g, no road gives a second's mean of another
 constexpr double kLeastSpread_counts = 0.5;  // less is not even quantisation noise
 
+constexpr double kLimit_counts = kFullScaleCounts - 1;
+
+std::int32_t counts_of(const ChannelConfig& channel, double value_m_s2) {
+  const double counts = value_m_s2 / channel.scale_m_s2_per_count + channel.offset_counts;
+  return static_cast<std::int32_t>(std::lround(std::clamp(counts, -kLimit_counts, kLimit_counts)));
+}
+
 }  // namespace
 
 ChannelSuspicion::ChannelSuspicion(const ChannelConfig& channel, double rate_hz)
-    : channel_(channel), samples_a_second_(std::max<std::int64_t>(1, std::llround(rate_hz))) {}
+    : channel_(channel),
+      samples_a_second_(std::max<std::int64_t>(1, std::llround(rate_hz))),
+      clipping_(rate_hz) {}
 
 void ChannelSuspicion::add(double value_m_s2) {
   if (std::abs(value_m_s2) >= kClipped * channel_.range_m_s2) ++clipped_;
+  if (std::isnan(value_m_s2))
+    clipping_.skip();
+  else
+    clipping_.add(counts_of(channel_, value_m_s2));
   ++samples_;
   const double off = value_m_s2 - mean_;
   mean_ += off / static_cast<double>(samples_);
@@ -56,6 +70,7 @@ std::vector<std::string> ChannelSuspicion::found() const {
                     of_seconds + ": more than gravity");
   }
   if (constant_ > 0) found.push_back("is constant during " + std::to_string(constant_) + of_seconds);
+  if (auto clause = clipped_clause(channel_, clipping_.limits())) found.push_back(*std::move(clause));
   if (clipped_ > 0) found.push_back("reaches its full scale in " + std::to_string(clipped_) + " samples");
   return found;
 }
@@ -110,10 +125,9 @@ void NodeImport::add(std::span<const double> cells, std::int64_t row, std::int64
   for (const Input& input : input_) {
     const ChannelConfig& channel = node_.channel[input.channel];
     const double value = cells[input.column];
-    const double counts = value / channel.scale_m_s2_per_count + channel.offset_counts;
-    constexpr double kLimit = kFullScaleCounts - 1;
-    scan.counts[input.channel] = static_cast<std::int32_t>(std::lround(std::clamp(counts, -kLimit, kLimit)));
-    if (std::abs(value) >= kClipped * channel.range_m_s2 || std::abs(counts) > kLimit)
+    scan.counts[input.channel] = counts_of(channel, value);
+    if (std::abs(value) >= kClipped * channel.range_m_s2 ||
+        std::abs(value / channel.scale_m_s2_per_count + channel.offset_counts) > kLimit_counts)
       scan.overload |= 1U << input.channel;
   }
   if (scans_.size() == kScansAtOnce) seal();

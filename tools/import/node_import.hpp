@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/config/vehicle_config.hpp"
+#include "common/dsp/clipping_detector.hpp"
 #include "firmware/epoch_packer.hpp"
 
 namespace roadbalance {
@@ -17,7 +18,7 @@ namespace roadbalance {
 inline constexpr double kClipped = 0.999;
 
 /// Suspicious properties of an acceleration channel: an offset that gravity cannot explain, no signal,
-/// clipping. Nothing is corrected.
+/// clipping at its full scale or below. Nothing is corrected.
 class ChannelSuspicion {
  public:
   /// @param channel  outlives this
@@ -37,6 +38,7 @@ class ChannelSuspicion {
   double mean_ = 0.0, squares_ = 0.0;  ///< of the present second; squares about its mean
   std::int64_t seconds_ = 0, constant_ = 0, offset_ = 0, clipped_ = 0;
   double sum_offset_ = 0.0;
+  ClippingDetector clipping_;
 };
 
 /// Where each column of a file of samples stands in its rows.

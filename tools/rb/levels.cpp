@@ -7,9 +7,9 @@
 #include "common/text/format.hpp"
 #include "host/recording/read_recording.hpp"
 #include "tools/rb/command.hpp"
-#include "tools/views/recording_defects.hpp"
 #include "tools/rb/reading_progress.hpp"
 #include "tools/views/record_levels.hpp"
+#include "tools/views/recording_defects.hpp"
 
 namespace roadbalance {
 namespace {
@@ -65,9 +65,10 @@ int levels(const LevelsOptions& options) {
     std::printf("%-24s %10s %10s %10s   m/s^2; rms and peak about the mean\n", "channel", "mean", "rms",
                 "peak");
     for (const auto& channel : result["channels"])
-      std::printf("%-24s %10.3f %10.3f %10.3f%s%s%s\n", channel["channel"].get<std::string>().c_str(),
+      std::printf("%-24s %10.3f %10.3f %10.3f%s%s%s%s\n", channel["channel"].get<std::string>().c_str(),
                   channel["mean"].get<double>(), channel["rms"].get<double>(), channel["peak"].get<double>(),
                   channel["overload"].get<bool>() ? "   OVERLOAD" : "",
+                  for_how_long("CLIPPED", channel["clipped_s"]).c_str(),
                   for_how_long("DEAD", channel["dead_s"]).c_str(),
                   for_how_long("DC OFFSET", channel["dc_offset_s"]).c_str());
     print_speeds(result);
@@ -81,7 +82,7 @@ void add_levels(CLI::App& app, int& code) {
   auto options = std::make_shared<LevelsOptions>();
   CLI::App* command = app.add_subcommand(
       "levels",
-      "Mean, rms and peak of every channel of a recording, dead channels and offsets; slip and "
+      "Mean, rms and peak of every channel of a recording, clipped and dead channels and offsets; slip and "
       "drift of the wheels, how long each speed was driven");
   command->add_option("folder", options->folder, "the recording")->required();
   command->add_flag("--json", options->json, "one JSON object on standard output");

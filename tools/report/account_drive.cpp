@@ -71,6 +71,7 @@ std::string remark_on(const Json& channel) {
     if (seconds.get<double>() > 0.0)
       text += format("%s%s %.1f s", text.empty() ? "" : ", ", what, seconds.get<double>());
   };
+  for_how_long("clipped", channel["clipped_s"]);
   for_how_long("dead", channel["dead_s"]);
   for_how_long("dc offset", channel["dc_offset_s"]);
   return text;
@@ -87,7 +88,7 @@ std::string chart(const DriveAccount::Spectrum& of) {
         "figure",
         name + paragraph("No spectrum: " +
                          (of.refusal.empty() ? format("no stretch without a hole is %g s long", kSegment_s)
-                                              : of.refusal) +
+                                             : of.refusal) +
                          "."));
   const std::string caption =
       format("%s, %d averages, noise bandwidth %.3f Hz", unit_of(*of.channel), of.averages, of.enbw_hz);

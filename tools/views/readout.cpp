@@ -182,6 +182,7 @@ std::vector<std::string> level_lines(const Level& level) {
     const double decades = std::log10(std::max(level.rms[c], 1e-3) / 1e-3);
     const auto bar = static_cast<std::size_t>(std::clamp(decades * 5.0, 0.0, 20.0));
     std::string marks = level.overload >> c & 1U ? " OVERLOAD" : "";
+    if (is_clipped(level, c)) marks += " CLIPPED";
     if (is_dead(level, c)) marks += " DEAD";
     if (is_railed(level, c)) marks += format(" DC OFFSET %+.1f m/s²", level.mean[c]);
     lines.push_back(format("  %2u  rms %8.3f  peak %8.3f m/s²  ", c + 1, level.rms[c], level.peak[c]) +

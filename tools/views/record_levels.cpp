@@ -1,6 +1,7 @@
 #include "tools/views/record_levels.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "common/bus/channel_faults.hpp"
 #include "common/bus/codec.hpp"
@@ -43,14 +44,17 @@ Json speeds_json(const WheelSpeeds& speeds) {
 void RecordLevels::NodeLevels::add(const ScanBlock& block, ChannelWatch& watch, LevelsInTime& in_time) {
   whole_.add(block);
   interval_.add(block);
+  clipped_ |= static_cast<std::uint32_t>(clipping_.add(block).reached);
   seconds_ += 1e-12 * static_cast<double>(block.period_ps * block.header.scans);
   if (seconds_ < kInterval_s) return;
   seconds_ = 0.0;
   auto level = interval_.take();
+  level->clipped = std::exchange(clipped_, 0);
   watch.judge(*level);
   in_time.take(block.header.epoch, *level);
   for (std::size_t c = 0; c < kAccelerations; ++c) {
     if (is_dead(*level, c)) dead_s[c] += level->seconds;
+    if (is_clipped(*level, c)) clipped_s[c] += level->seconds;
     if (is_railed(*level, c)) railed_s[c] += level->seconds;
   }
 }
@@ -84,6 +88,7 @@ Json RecordLevels::json() {
                           {"peak", level->peak[c]},
                           {"seconds", level->seconds},
                           {"overload", (level->overload >> c & 1U) != 0},
+                          {"clipped_s", meter.clipped_s[c]},
                           {"dead", meter.dead_s[c] > 0.0},
                           {"dead_s", meter.dead_s[c]},
                           {"dc_offset_s", meter.railed_s[c]}});

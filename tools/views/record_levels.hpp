@@ -9,6 +9,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "common/types/block.hpp"
 #include "common/types/exchange.hpp"
+#include "host/analysis/identify/clipped_channels.hpp"
 #include "host/analysis/spectra/channel_watch.hpp"
 #include "host/analysis/spectra/levels_in_time.hpp"
 #include "host/analysis/spectra/wheel_speeds.hpp"
@@ -37,15 +38,17 @@ class RecordLevels {
   class NodeLevels {
    public:
     NodeLevels(const VehicleConfig& vehicle, const NodeConfig& node)
-        : whole_(vehicle, node), interval_(vehicle, node) {}
+        : whole_(vehicle, node), interval_(vehicle, node), clipping_(node) {}
 
     void add(const ScanBlock& block, ChannelWatch& watch, LevelsInTime& in_time);
     std::optional<Level> whole() { return whole_.take(); }
 
-    std::array<double, kAccelerations> dead_s{}, railed_s{};
+    std::array<double, kAccelerations> dead_s{}, railed_s{}, clipped_s{};
 
    private:
     LevelMeter whole_, interval_;
+    ClippedChannels clipping_;
+    std::uint32_t clipped_ = 0;  ///< in the interval
     double seconds_ = 0.0;
   };
 

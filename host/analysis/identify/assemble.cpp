@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "common/bus/codec.hpp"
 #include "common/vehicle/sensor_map.hpp"
 
 namespace roadbalance {
@@ -76,11 +77,28 @@ Assembler::Assembler(const VehicleConfig& vehicle, const SensorMap& sensors, Emi
     used.push_back(&node);
     maps_.push_back(map);
   }
-  for (std::size_t n = 0; n < used.size(); ++n) rows_.add(*used[n], used.size() == 1, maps_[n].overload_mask);
+  for (std::size_t n = 0; n < used.size(); ++n) {
+    const std::int32_t mask = maps_[n].overload_mask;
+    rows_.add(*used[n], used.size() == 1, mask | mask << kChannels);
+    clipped_.emplace_back(*used[n], mask);
+  }
 }
 
 void Assembler::consume(const SealedBlock& block) {
-  if (rows_.take(block)) emit();
+  if (block.kind != BlockKind::kScan) return;
+  const auto of = std::ranges::find(clipped_, block.header.node, &ClippedChannels::node);
+  if (of == clipped_.end()) return;
+  ScanBlock scans = decode_scan(block);
+  const ClippedChannels::Found found = of->add(scans);
+  scans.overload |= found.reached | found.news << kChannels;
+  if (rows_.take(scans)) emit();
+}
+
+std::vector<std::string> Assembler::clipped() const {
+  std::vector<std::string> all;
+  for (const ClippedChannels& node : clipped_)
+    for (std::string& sentence : node.sentences()) all.push_back(std::move(sentence));
+  return all;
 }
 
 void Assembler::consume(const ClockFit& fit) {
@@ -121,6 +139,7 @@ void Assembler::emit_run(const CommonRows::Run& run) {
   const GridStream& first = streams.front();
   run_.first_index = run.first_index;
   run_.restart = run.restart;
+  run_.spoiled = run.spoiled;
   run_.time_ns = first.rows.front().time_ns + (first.row + run.rows - 1) * rows_.grid().period_ps / 1000;
   run_.samples.setZero(kSignals, run.rows);
   run_.readings.resize(inputs_, run.rows);

@@ -13,6 +13,7 @@
 #include "common/types/exchange.hpp"
 #include "common/vehicle/linear_model.hpp"
 #include "common/vehicle/sensor_map.hpp"
+#include "host/analysis/identify/clipped_channels.hpp"
 #include "host/analysis/identify/common_rows.hpp"
 #include "host/analysis/identify/signals.hpp"
 
@@ -24,11 +25,13 @@ bool measures_road(const VehicleConfig& vehicle);
 /// Joins the scan blocks of all nodes to runs of signals on one grid of time.
 ///
 /// The grid is that of the block that comes first: its time and period; GridStream brings each node's samples
-/// to it. Rows that one node lacks, and blocks with overload, are left out; the run after them is marked
-/// `restart`, so no estimate runs across a hole.  The road is in the runs if a channel measures it at every
-/// wheel. A wheel whose angle is not known has the reference 0.  The result depends on the blocks and fits of
-/// each node in their order only, but for the grid not on how the nodes' blocks interleave, as long as no
-/// node is kLongestWait_s behind: then the others go on without it.
+/// to it. Rows that one node lacks, and blocks in which a channel left its range or was at a limit where it
+/// is clipped (ClippedChannels), are left out; the run after them is marked `restart`, so no estimate runs
+/// across a hole.  The run after the block that made the limit known is marked `spoiled`, too: tops may have
+/// been cut off before.  The road is in the runs if a channel measures it at every wheel. A wheel whose angle
+/// is not known has the reference 0.  The result depends on the blocks and fits of each node in their order
+/// only, but for the grid not on how the nodes' blocks interleave, as long as no node is kLongestWait_s
+/// behind: then the others go on without it.
 class Assembler {
  public:
   /// Seconds of drive, not of waiting: faster than real time one node may be a whole ring ahead of another
@@ -46,6 +49,8 @@ class Assembler {
   /// How a node's clock stands to the host's, for the blocks of that node that come next.
   void consume(const ClockFit& fit);
 
+  /// A sentence for each channel that is clipped, whose blocks are left out.  For people.
+  std::vector<std::string> clipped() const;
   /// Why a node's samples cannot be brought to the grid of the others; empty: all can.
   std::string no_common_time() const { return rows_.refusal(); }
 
@@ -75,6 +80,7 @@ class Assembler {
   CommonRows rows_;
   std::vector<NodeMap> maps_;
   Eigen::Index inputs_;  ///< of SensorMap
+  std::vector<ClippedChannels> clipped_;  ///< of the nodes in rows_
   bool road_measured_;
   SignalRun run_;
   Emit emit_;

@@ -55,6 +55,7 @@ bool CommonRows::drop_unusable(std::size_t which) {
     GridRows& front = stream.rows.front();
     // It must not be forgotten where the row that bore it is passed over.
     stream.restarted = std::exchange(front.restart, false) || stream.restarted;
+    stream.spoiled = (front.overload & unusable_[which]) >> kChannels != 0 || stream.spoiled;
     if ((front.overload & unusable_[which]) == 0 && stream.row < front.rows) return true;
     stream.rows.pop_front();
     stream.row = 0;
@@ -82,11 +83,12 @@ bool CommonRows::align() {
 
 std::optional<CommonRows::Run> CommonRows::next() {
   if (!align()) return std::nullopt;
-  Run run{next_index(streams_.front()), GridRows::kMost, false};
+  Run run{.first_index = next_index(streams_.front()), .rows = GridRows::kMost, .restart = false};
   run.restart = run.first_index != expected_;
   for (auto& stream : streams_) {
     run.rows = std::min(run.rows, stream.rows.front().rows - stream.row);
     run.restart = std::exchange(stream.restarted, false) || run.restart;
+    run.spoiled = std::exchange(stream.spoiled, false) || run.spoiled;
   }
   return run;
 }

@@ -23,7 +23,8 @@ class CommonRows {
   struct Run {
     std::int64_t first_index;
     std::int64_t rows;
-    bool restart;  ///< it does not go on from the run before
+    bool restart;          ///< it does not go on from the run before
+    bool spoiled = false;  ///< the runs before it, since the last restart, are not to be used
   };
 
   /// @param longest_wait_s  for a node that is behind, of drive
@@ -31,7 +32,8 @@ class CommonRows {
 
   /// Before the first block.
   /// @param alone     the only node there will be: its own time will do
-  /// @param unusable  channels that leave a row out if one of them left its range, as bits
+  /// @param unusable  channels that leave a row out if one of them left its range, as bits of
+  ///                  ScanBlock::overload; by kChannels higher: and spoil what was before it
   void add(const NodeConfig& node, bool alone, std::int32_t unusable = 0);
 
   /// False: it is none of a node here, or no block of scans.

@@ -25,6 +25,7 @@ void Decimator::consume(const SignalRun& run) {
   if (run.restart) {
     signals_.restart(run.first_index);
     restart_ = true;
+    spoiled_ = spoiled_ || run.spoiled;
     readings_.reset();
   }
   const bool has_readings = run.readings.cols() > 0;
@@ -38,8 +39,10 @@ void Decimator::consume(const SignalRun& run) {
     const bool has_road = measured && road_.add(run.road_m.col(i));
     if (has_readings) readings_->add(run.readings.col(i));
     if (!signals_.add(run.samples.col(i))) continue;
-    IdentificationSample sample{
-        .signals = signals_.output(), .restart = std::exchange(restart_, false), .time_ns = run.time_ns};
+    IdentificationSample sample{.signals = signals_.output(),
+                                .restart = std::exchange(restart_, false),
+                                .spoiled = std::exchange(spoiled_, false),
+                                .time_ns = run.time_ns};
     if (has_readings) sample.readings = readings_->output();
     if (has_road) sample.road_m = road_.output();
     emit_(sample);

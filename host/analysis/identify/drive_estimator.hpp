@@ -40,6 +40,9 @@ class DriveEstimator {
   /// Why there is no estimate, naming the thing at fault; empty: only time is missing.
   std::string refusal() const;
 
+  /// A sentence for each channel that is clipped: sections in which it was are not used.
+  std::vector<std::string> clipped() const;
+
   /// The newest estimate; its states give what is not known yet and why.  Computed when asked for.
   const DriveEstimate& estimate();
   /// Forces at each class of speed by the newest estimate; empty where it gives no balance, or none but from

@@ -31,8 +31,8 @@ struct GridRows {
   std::int64_t time_ns =
       0;                 ///< of the first row: the node's where its samples are the grid's, else the host's
   bool restart = false;  ///< the first row does not go on from the one before, whatever its index
-  std::int32_t overload = 0;
-  std::int32_t quality = 0;                                ///< of any sample that a row was made of
+  std::int32_t overload = 0;  ///< of any sample that a row was made of; see ClippedChannels
+  std::int32_t quality = 0;   ///< the same
   std::array<std::array<float, kChannels>, kMost> counts;  ///< [row][channel]
 };
 

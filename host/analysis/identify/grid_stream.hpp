@@ -38,6 +38,7 @@ class GridStream {
 
   RowQueue rows;           ///< for the taker to remove, ascending
   std::int64_t row = 0;    ///< of the front, next to use
+  bool spoiled = false;    ///< nothing before the next row to use is good
   bool restarted = false;  ///< rows up to the next to use do not go on from those used before
 
   /// Why its samples cannot be brought to the grid at present; empty: they can.

@@ -35,7 +35,7 @@ SectionBuilder::SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool bod
 
 void SectionBuilder::consume(const IdentificationSample& sample) {
   if (sample.restart) {
-    take(whole_parts(buffer_.filled()));
+    if (!sample.spoiled) take(whole_parts(buffer_.filled()));
     keep(0);
     buffer_.reset();
     settling_ = samples_in(kSettlingS, rate_hz_);

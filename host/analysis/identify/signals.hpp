@@ -40,6 +40,7 @@ std::complex<double> reference(const Vector& signals, int wheel) {
 struct SignalRun {
   std::int64_t first_index = 0;  ///< of column 0 on the grid
   bool restart = false;          ///< samples are missing before column 0: filters begin anew
+  bool spoiled = false;          ///< nor are those before them good, since the last restart
   std::int64_t time_ns = 0;      ///< node time of the last column
   SignalMatrix samples;
   /// Of each of SensorMap's inputs, m/s^2, a column a sample; the same filters passed.

@@ -27,7 +27,8 @@ StretchCollector::StretchCollector(const VehicleConfig& vehicle, Emit emit)
 
 void StretchCollector::consume(const IdentificationSample& sample) {
   if (sample.restart) {
-    finish();
+    if (!sample.spoiled) finish();
+    filled_ = 0;
     settling_ = std::lround(kSettling_s * rate_hz_);
   }
   if (settling_ > 0) {

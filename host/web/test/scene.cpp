@@ -145,6 +145,7 @@ Level level(const Scene& scene, int node) {
   }
   if (scene.trouble) {
     level.overload = 1U << 2;
+    level.clipped = 1U << 7;
     level.dead = 1U << 4 | 1U << (kChannels + 6);
     level.rms[4] = level.peak[4] = 0;
   }

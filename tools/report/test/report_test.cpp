@@ -164,6 +164,7 @@ DriveReport hostile() {
                        {"peak", 2.0},
                        {"seconds", 3.0},
                        {"overload", false},
+                       {"clipped_s", 0.0},
                        {"dead_s", 0.0},
                        {"dc_offset_s", 0.0}}}},
                     {"wheels", Json::array()},

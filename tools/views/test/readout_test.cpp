@@ -278,12 +278,13 @@ TEST(CompensationJson, HoldsTheStepsAndIsNullWhereNothingIsKnown) {
   EXPECT_EQ(steps[1]["from_radius_m"], 0.19);
 }
 
-TEST(LevelLines, MarkDeadAndOverloadedChannels) {
+TEST(LevelLines, MarkDeadClippedAndOverloadedChannels) {
   Level level;
   level.node = 2;
   level.speed_m_s = 100.0 / 3.6;
   level.dead = 1U << 3 | 1U << (16 + 7);
   level.overload = 1U << 5;
+  level.clipped = 1U << 9;
   const auto lines = level_lines(level);
   ASSERT_EQ(lines.size(), 1U + kAccelerations);
   EXPECT_EQ(lines[0], "node 2: 100.0 km/h");
@@ -291,6 +292,8 @@ TEST(LevelLines, MarkDeadAndOverloadedChannels) {
   EXPECT_NE(lines[6].find("OVERLOAD"), std::string::npos);
   EXPECT_NE(lines[8].find("DC OFFSET"), std::string::npos);
   EXPECT_EQ(lines[8].find("DEAD"), std::string::npos);
+  EXPECT_NE(lines[10].find("CLIPPED"), std::string::npos);
+  EXPECT_EQ(lines[6].find("CLIPPED"), std::string::npos);
   EXPECT_EQ(lines[5].find("DEAD"), std::string::npos);
 }
 

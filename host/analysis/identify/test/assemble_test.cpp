@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <random>
 #include <vector>
 
 #include "common/bus/codec.hpp"
@@ -99,6 +102,49 @@ TEST(Assembler, TakesOffByHowMuchAChannelLags) {
       EXPECT_NEAR(run.samples(sine_row(0), i), std::sin(k / 100), 1e-6) << k;
     }
   EXPECT_EQ(rows, 100 - 13 - 18);
+}
+
+TEST(Assembler, LeavesOutBlocksInWhichASensorIsClippedAndTellsThatWhatWasBeforeIsSpoiled) {
+  constexpr std::size_t kCut = 2;  // fl_carrier_z
+  constexpr double kLimit_m_s2 = 12.0;
+  const double scale = car().node[0].channel[kCut].scale_m_s2_per_count;
+  std::vector<SignalRun> runs;
+  Assembler assembler(car(), [&](const SignalRun& run) { runs.push_back(run); });
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  double value = 0.0, speed = 0.0;  // a resonance at 15 Hz, a tenth of critically damped, 6 m/s^2 rms
+  for (std::int64_t number = 0; number < 3000; ++number) {
+    ScanBlock block = decode_scan(block_of(0, number));
+    for (auto& row : block.counts) {
+      constexpr double kOmega = 2.0 * std::numbers::pi * 15.0 * 1e-9 * kPeriodNs;
+      speed += -0.2 * kOmega * speed - kOmega * kOmega * value + 0.04 * normal(random);
+      value += speed;
+      row[kCut] = static_cast<std::int32_t>(std::clamp(value, -kLimit_m_s2, kLimit_m_s2) / scale);
+    }
+    SealedBlock sealed;
+    seal(block, sealed);
+    assembler.consume(sealed);
+    assembler.consume(block_of(1, number));
+  }
+  // One side becomes known before the other.
+  const auto first = std::ranges::find(runs, true, &SignalRun::spoiled);
+  ASSERT_NE(first, runs.end());
+  const auto spoiled = std::find_if(first + 1, runs.end(), [](const SignalRun& run) { return run.spoiled; });
+  ASSERT_NE(spoiled, runs.end());
+  EXPECT_EQ(std::ranges::count(runs, true, &SignalRun::spoiled), 2);
+  EXPECT_TRUE(first->restart && spoiled->restart);
+  const auto peak = [](auto from, auto to) {
+    double most = 0.0;
+    for (; from != to; ++from)
+      most = std::max(most, from->samples.row(kBodyCoordinates).cwiseAbs().maxCoeff());
+    return most;
+  };
+  EXPECT_NEAR(peak(runs.begin(), first), kLimit_m_s2, 1e-3) << "nothing was known then";
+  EXPECT_LT(peak(spoiled, runs.end()), 0.99 * kLimit_m_s2);
+  EXPECT_GT(std::distance(spoiled, runs.end()), 1000) << "the others are used";
+  const auto clipped = assembler.clipped();
+  ASSERT_EQ(clipped.size(), 1U);
+  EXPECT_EQ(clipped[0].find("fl_carrier_z is clipped at "), 0U) << clipped[0];
 }
 
 TEST(Assembler, ResultDoesNotDependOnHowNodesInterleave) {

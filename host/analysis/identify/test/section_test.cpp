@@ -123,6 +123,17 @@ TEST(SectionBuilder, KnowsSpeedAndLength) {
   EXPECT_NEAR(found[0].speed_seconds / found[0].seconds, 30.0, 0.01);
 }
 
+TEST(SectionBuilder, TakesNothingThatASensorHasSpoiled) {
+  for (const bool spoiled : {false, true}) {
+    DriveMoments drive;
+    SectionBuilder sections(car(), [&](const DriveMoments& section) { drive += section; });
+    feed(sections, {108.0, 108.4, 107.7, 109.0}, 3.0 + 7.5, 1e-4);
+    sections.consume({.signals = SignalVector::Zero(), .restart = true, .spoiled = spoiled});
+    EXPECT_EQ(drive.sections, spoiled ? 0 : 1);
+    EXPECT_FALSE(sections.running());
+  }
+}
+
 TEST(SectionBuilder, TellsOfTheSectionBeingDrivenAsFarAsItGoes) {
   DriveMoments drive;
   SectionBuilder sections(car(), [&](const DriveMoments& section) { drive += section; });

@@ -19,11 +19,12 @@ class Drive {
  public:
   Drive() : collector_(car(), [this](const Stretch& stretch) { stretches.push_back(stretch); }) {}
 
-  void at(double speed_m_s, int seconds, bool angle = true, bool restart = false) {
+  void at(double speed_m_s, int seconds, bool angle = true, bool restart = false, bool spoiled = false) {
     for (int k = 0; k < seconds * 500; ++k) {
       IdentificationSample sample;
       sample.signals.setConstant(1.0);
       sample.restart = restart && k == 0;
+      sample.spoiled = spoiled && k == 0;
       if (road) sample.road_m = Eigen::Vector4d(0.01, 0.02, 0.03, 0.04);
       angle_ += speed_m_s / 0.30 / 500.0;
       for (int i = 0; i < kWheels; ++i) {
@@ -55,6 +56,15 @@ TEST(StretchCollector, EndsAStretchWhereTheSpeedChanges) {
   EXPECT_EQ(drive.stretches[1].signals.cols(), 15 * 500);
   EXPECT_NEAR(drive.stretches[1].speed_m_s, 30.0, 1e-9);
   EXPECT_EQ(drive.stretches[0].road_m.cols(), 0);
+}
+
+TEST(StretchCollector, HandsOverNothingThatASensorHasSpoiled) {
+  Drive drive;
+  drive.at(25.0, 23, true, true);
+  drive.at(25.0, 18, true, true, true);
+  drive.end();
+  ASSERT_EQ(drive.stretches.size(), 1u);
+  EXPECT_EQ(drive.stretches[0].signals.cols(), 15 * 500) << "what came behind it, but 3 s that settle";
 }
 
 TEST(StretchCollector, EndsAStretchAtAHoleAndDropsWhatIsTooShort) {

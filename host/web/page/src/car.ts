@@ -1,5 +1,6 @@
 // The state of the car: the newest of every message, and when it was on the bus.
 import {decode, readFrame, type Arrival} from "./decode";
+import {isClipped} from "./channel_faults";
 import {EventLog} from "./events";
 import {Documents} from "./jobs";
 import {PlotData} from "./plot_data";
@@ -52,6 +53,7 @@ export class Car {
   readonly documents = new Documents();
   /** By "node.channel", counted from 1: when it last left its range. */
   readonly overloadMs = new Map<string, number>();
+  readonly clippedMs = new Map<string, number>();
   readonly peaks = new Map<string, Peak>();
   /** What lights a lamp: taken with each frame, for a page in the background is not drawn. */
   readonly events = new EventLog();
@@ -162,6 +164,7 @@ export class Car {
     message.peak.forEach((peak, channel) => {
       const name = `${message.node}.${channel + 1}`;
       if ((message.overload >> channel) & 1) this.overloadMs.set(name, atMs);
+      if (isClipped(message, channel)) this.clippedMs.set(name, atMs);
       const held = this.peaks.get(name);
       if (!held || peak >= held.value || atMs - held.atMs > kHoldMs) this.peaks.set(name, {value: peak, atMs});
     });

@@ -8,6 +8,8 @@ const kChannels = 16;
 export const isDead = (level: Level, channel: number) => ((level.dead >> channel) & 1) === 1;
 /** Its mean is where none can be: no supply, a broken bias, a shifted zero. */
 export const isRailed = (level: Level, channel: number) => ((level.dead >> (kChannels + channel)) & 1) === 1;
+/** At a value beyond which it is cut off, whatever its range. */
+export const isClipped = (level: Level, channel: number) => ((level.clipped >> channel) & 1) === 1;
 /** A word for a bar or a row; empty: nothing is wrong. */
 export const faultOf = (level: Level, channel: number) =>
   isDead(level, channel) ? "dead" : isRailed(level, channel) ? "DC" : "";

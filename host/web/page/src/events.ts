@@ -1,5 +1,6 @@
 // Keeps the events that light a lamp: a node's counters begin anew with each start, and a lamp must not go out unseen.
 import {isFresh, kSilenceMs, type Car, type Heard} from "./car";
+import {isClipped} from "./channel_faults";
 import {AlarmCause, ClockState, DeviceCounter, kClockPatience_s, kWantedSync_s, NodeState, TimeBase, type ClockFit, type Heartbeat, type Level} from "./wire";
 
 export type LampName = "LOSS" | "SYNC" | "OVERLOAD" | "ENCODER";
@@ -106,8 +107,11 @@ export class EventLog {
 
   /** Takes each level: the next may be without what this one says. */
   overload(level: Level, atMs: number): void {
-    for (let channel = 0; channel < level.peak.length; ++channel)
-      if ((level.overload >> channel) & 1) this.add("OVERLOAD", AlarmCause.Overload, `channel ${level.node}.${channel + 1}`, 1, atMs);
+    for (let channel = 0; channel < level.peak.length; ++channel) {
+      const where = `channel ${level.node}.${channel + 1}`;
+      if ((level.overload >> channel) & 1) this.add("OVERLOAD", AlarmCause.Overload, where, 1, atMs);
+      if (isClipped(level, channel)) this.add("OVERLOAD", AlarmCause.Clipped, where, 1, atMs);
+    }
   }
 
   /** The newest first. */

@@ -19,7 +19,7 @@ const kFirstDay: readonly string[] = [
 const kLamps: readonly (readonly [name: string, means: string])[] = [
   ["LOSS", "Disc: every sample is recorded, or on its way. Cross: a device is gone, or samples are lost for good; which ones is in the record."],
   ["SYNC", "How well the clock of the worst node is known. Triangle: worse than 50 µs, or not heard. Cross: a clock has jumped."],
-  ["OVERLOAD", "Cross: a channel has left its range; its reading is wrong there. Choose a larger range. Triangle: a channel is dead, or its mean is where none can be (DC)."],
+  ["OVERLOAD", "Cross: a channel has left its range, or is clipped below it (CLIP: its tops are cut off at one value); its reading is wrong there. Choose a larger range. Triangle: a channel is dead, or its mean is where none can be (DC)."],
   ["ENCODER", "Cross: turns with teeth missed or extra. Look at the gap of the sensor and at its cable."],
   ["All four", "A line means not known. A lit lamp stays lit until it is acknowledged (A), though the cause be gone."],
 ];

@@ -49,6 +49,7 @@ export class LampView {
   acknowledge(): void {
     this.car.events.acknowledge();
     this.car.overloadMs.clear();
+    this.car.clippedMs.clear();
   }
 
   draw(nowMs: number): void {

@@ -115,11 +115,19 @@ function overloadLamp(car: Car, log: EventLog, nowMs: number): Lamp {
                              "the zero again."] : [])].join(" ");
   if (found.length === 0 && faults.length > 0) return {name, light: lightOf(AlarmCause.DeadChannel), number: faults.join(", "), sentence: what};
   if (found.length === 0)
-    return {name, light: "good", number: "0 channels", sentence: "No channel has left its range; none is known to be dead."};
-  const channels = [...new Set(found.map(({where}) => where.replace("channel ", "")))].sort((a, b) => Number(a) - Number(b));
+    return {name, light: "good", number: "0 channels", sentence: "No channel has left its range; none is known to be clipped or dead."};
+  const of = (events: readonly Event[]) =>
+    [...new Set(events.map(({where}) => where.replace("channel ", "")))].sort((a, b) => Number(a) - Number(b));
+  const channels = of(found);
+  const beyond = of(found.filter(({cause}) => cause === AlarmCause.Overload)), clipped = of(found.filter(({cause}) => cause === AlarmCause.Clipped));
+  const sentences = [
+    ...(beyond.length > 0 ? [`Channel ${beyond.join(", ")} (node.channel) has left its range: choose a larger range.`] : []),
+    ...(clipped.length > 0 ? [`Channel ${clipped.join(", ")} (node.channel) is clipped, its tops are cut off at one value: ` +
+                              "choose a larger range, or a sensor that has one."] : []),
+    ...(what ? [what] : [])];
   const agoS = Math.round((nowMs - Math.max(...found.map(({lastMs}) => lastMs))) / 1000);
   return {name, light: lightOf(causeOf("OVERLOAD")), number: `${times(channels.length, "channel", "channels")}, ${agoS < 2 ? "now" : `${agoS} s ago`}`,
-          sentence: `Channel ${channels.join(", ")} (node.channel) has left its range: choose a larger range.${what && ` ${what}`}`};
+          sentence: sentences.join(" ")};
 }
 
 function encoderLamp(car: Car, log: EventLog): Lamp {
@@ -154,6 +162,7 @@ const kWords: Readonly<Partial<Record<AlarmCause, {readonly one: string; readonl
   [AlarmCause.ClockUnheard]: {one: "clock not heard", remedy: "look at the node's network"},
   [AlarmCause.ClockPoor]: {one: `clock known worse than to ${kWanted}`, remedy: "look at the node's network"},
   [AlarmCause.Overload]: {one: "left its range", remedy: "choose a larger range, or mount the sensor more firmly"},
+  [AlarmCause.Clipped]: {one: "clipped", remedy: "choose a larger range, or a sensor that has one"},
   [AlarmCause.FaultyTurns]: {one: "faulty turn", many: "faulty turns", remedy: "look at the sensor's gap and its cable"},
 };
 

@@ -31,15 +31,16 @@ class Bar {
   draw(car: Car, level: Level, withNumbers: boolean): void {
     const k = this.channel - 1;
     const rms = level.rms[k] ?? 0;
-    const over = car.overloadMs.has(`${this.node}.${this.channel}`);
+    const name = `${this.node}.${this.channel}`;
+    const wrong = car.overloadMs.has(name) ? "OVER" : car.clippedMs.has(name) ? "CLIP" : "";
     const fault = faultOf(level, k);
-    setAttributes(this.element, {"data-light": over ? "bad" : fault ? "warn" : "good"});
+    setAttributes(this.element, {"data-light": wrong ? "bad" : fault ? "warn" : "good"});
     this.rms.style.transform = `scaleY(${height(rms).toFixed(3)})`;
     const peak = height(car.peaks.get(`${this.node}.${this.channel}`)?.value ?? 0);
     this.peak.style.transform = `translateY(${(-kTrackPixels * peak).toFixed(1)}px)`;
     // Numbers that change with every frame cannot be read; words change at once.
-    if (withNumbers || over || fault || this.number.textContent === "")
-      setText(this.number, over ? "OVER" : fault || rms.toPrecision(2));
+    if (withNumbers || wrong || fault || this.number.textContent === "")
+      setText(this.number, wrong || fault || rms.toPrecision(2));
   }
 }
 

@@ -1,6 +1,6 @@
 // Is everything ready to record?  Each point has its remedy.
 import {isBusy, isFresh, type Car} from "./car";
-import {faultOf, isDead, isRailed} from "./channel_faults";
+import {faultOf, isClipped, isDead, isRailed} from "./channel_faults";
 import {placeAndName} from "./channels";
 import {oppositePairs} from "./directions";
 import {EventLog, withoutDevice} from "./events";
@@ -59,9 +59,10 @@ function channels(setups: readonly Setup[], car: Car, nowMs: number): Check {
   const bad = setups.flatMap((setup) => {
     const level = levels.find(({node}) => node === setup.node);
     if (!level) return [`node ${setup.node}: no levels`];
-    return usedChannels(setup).filter((channel) => faultOf(level, channel) || (level.overload >> channel) & 1)
+    return usedChannels(setup).filter((channel) => faultOf(level, channel) || (level.overload >> channel) & 1 || isClipped(level, channel))
       .map((channel) => `${placeAndName(setup, channel)} ${isDead(level, channel) ? "carries no signal" :
-        isRailed(level, channel) ? `stands ${(level.mean[channel] ?? 0).toPrecision(2)} m/s² off its zero` : "is beyond its range"}`);
+        isRailed(level, channel) ? `stands ${(level.mean[channel] ?? 0).toPrecision(2)} m/s² off its zero` :
+        (level.overload >> channel) & 1 ? "is beyond its range" : "is clipped"}`);
   });
   if (bad.length > 0) return {name, ready: "no", says: `${bad.join("; ")}: look at cable, supply, sensor and range.`};
   const count = setups.reduce((sum, setup) => sum + usedChannels(setup).length, 0);

@@ -1,6 +1,6 @@
 // The wiring as described, whether tap tests confirm it, and whether all is ready.
 import type {Car} from "./car";
-import {faultOf} from "./channel_faults";
+import {faultOf, isClipped} from "./channel_faults";
 import {placeAndName} from "./channels";
 import {alsoFelt, isRight, Taps, type Felt, type Place} from "./taps";
 import {directionWord, knockWord} from "./directions";
@@ -143,7 +143,8 @@ export class SetupView implements View {
 
   private channelRow(setup: Setup, k: number): Cell[] {
     const level = this.car.levels.get(setup.node)?.message;
-    const fault = level ? faultOf(level, k) : "", over = level && (level.overload >> k) & 1;
+    const fault = level ? faultOf(level, k) : "";
+    const over = !level ? "" : (level.overload >> k) & 1 ? "OVER" : isClipped(level, k) ? "CLIP" : "";
     const tap = this.taps.of(setup, k);
     const direction = setup.direction[k] ?? [];
     const unused = setup.role[k] === ChannelRole.Unused;
@@ -153,7 +154,7 @@ export class SetupView implements View {
       {text: directionWord(direction)}, {text: knockWord(direction)},
       {text: number(setup.range_m_s2[k] ?? 0, 4)}, {text: number(setup.scale_m_s2_per_count[k] ?? 0, 5)},
       {text: number(setup.offset_counts[k] ?? 0, 6)}, {text: number(1e6 * (setup.delay_s[k] ?? 0), 4)},
-      {text: !level ? "–" : over ? "OVER" : fault || (level.rms[k] ?? 0).toPrecision(2), tone: over ? "bad" : fault ? "warn" : ""},
+      {text: !level ? "–" : over || fault || (level.rms[k] ?? 0).toPrecision(2), tone: over ? "bad" : fault ? "warn" : ""},
       {text: tap === "right" ? "✓ by knock" : tap === "wrong" ? "✗ WRONG SIGN" : "not yet", tone: tap === "right" ? "good" : tap === "wrong" ? "bad" : "quiet"}];
   }
 

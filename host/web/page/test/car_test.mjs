@@ -165,6 +165,8 @@ test("the pre-flight check names what is to be done", () => {
   const level = (node, more = {}) => [page.kLevel, {node, speed_m_s: NaN, ...more}];
   car.take(frame(level(1, {dead: 2}), level(2, {overload: 1})), 0);
   assert.match(check("Channels").says, /1\.2 right carries no signal; 2\.1 left is beyond its range/);
+  car.take(frame(level(1, {clipped: 2}), level(2)), 0);
+  assert.match(check("Channels").says, /1\.2 right is clipped/);
   car.take(frame(level(1, {dead: 1 << 17}), level(2)), 0);
   assert.match(check("Channels").says, /1\.2 right stands .* off its zero/);
   car.take(frame(level(1), level(2)), 0);
@@ -226,6 +228,12 @@ test("an overload lights its lamp though the page was never drawn, until it is a
   car.events.acknowledge();
   car.take(frame(level({})), 61_000);
   assert.equal(overload(61_000).light, "good");
+  car.take(frame(level({clipped: 1 << 7}), level({})), 62_000);
+  assert.equal(overload(62_000).light, "bad");
+  assert.match(overload(62_000).sentence, /^Channel 1\.8 \(node\.channel\) is clipped/);
+  car.take(frame(level({overload: 4})), 63_000);
+  assert.match(overload(63_000).sentence, /1\.3 .* left its range.* 1\.8 .* is clipped/);
+  assert.match(overload(63_000).number, /^2 channels/);
 });
 
 test("each thing that is wrong has one of three levels, and the worst comes first", () => {
