@@ -20,6 +20,3 @@ if(RB_BATCHES)
     target_link_libraries(rb_test_headers PRIVATE GTest::gtest GTest::gmock)
   endif()
 endif()
-
-# For sources in which g++ 12 takes a sum of texts for writing out of bounds (its bug 105651).
-set(RB_SUMS_OF_TEXTS "$<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow;-Wno-restrict>")
