@@ -27,7 +27,7 @@ target_compile_options(rb_options INTERFACE
 # segments come out wrong (host/analysis/identify/test/instruments_test.cpp).
 target_compile_options(rb_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-predictive-commoning>)
 # For sources in which g++ 12 takes a sum of texts for writing out of bounds (its bug 105651).
-set(RB_SUMS_OF_TEXTS "$<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow;-Wno-restrict>")
+set(RB_SUMS_OF_TEXTS "$<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread;-Wno-restrict>")
 if(RB_SANITIZE)
   # LCM's C++ header casts through unrelated types, which the vptr check refuses.  With its checks between them g++
   # 12 takes the members of std::stop_source for uninitialised, and sums of texts for writing out of bounds.
