@@ -3,7 +3,6 @@
 
 #include "host/analysis/identify/confidence.hpp"
 #include "tools/study/chain_drive.hpp"
-#include "tools/study/ideal_studies.hpp"
 #include "tools/study/real_drive.hpp"
 #include "tools/study/real_studies.hpp"
 #include "tools/study/statistics.hpp"
@@ -13,6 +12,8 @@ namespace roadbalance {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+const std::vector<std::string> kRealOptions{"--runs", "--seed", "--state", "--jobs", "--set", "--markdown"};
 
 RealDrive drive_of(const Json& settings) {
   RealDrive drive;
@@ -121,7 +122,7 @@ StudyResult summarise_real_road(const Json& settings, const std::vector<Json>& r
 Study hazards_study() {
   return {.name = "hazards",
           .line = "the posterior where one thing at a time is not as in an ideal car",
-          .options = kIdealOptions,
+          .options = kRealOptions,
           .settings = {{"seconds", 60.0}, {"road", "A"}, {"only", ""}},
           .runs = 10,
           .run = run_hazards,
@@ -131,7 +132,7 @@ Study hazards_study() {
 Study real_road_study() {
   return {.name = "real-road",
           .line = "the posterior on cars and roads of which everything is drawn",
-          .options = kIdealOptions,
+          .options = kRealOptions,
           .settings = {{"seconds", 60.0}, {"road", "A"}},
           .runs = 40,
           .run = run_real_road,

@@ -89,6 +89,7 @@ class CarPosterior {
   /// Unknowns of the car and its sensors; those of the road's curves follow.
   Eigen::Index known() const { return known_; }
   Eigen::Index channels() const { return channels_; }
+  const CarPrior& prior() const { return prior_; }
 
   /// J; infinite where the car cannot be.
   double value(const Eigen::VectorXd& v) const;

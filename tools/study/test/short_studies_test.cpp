@@ -29,6 +29,7 @@ TEST_P(ShortStudies, RunAndSayWhatCameOut) {
   if (settings.contains("samples")) change_setting(settings, "samples=5000");
   if (settings.contains("seconds")) change_setting(settings, "seconds=20");
   if (settings.contains("drives")) change_setting(settings, "drives=8");
+  if (settings.contains("only")) change_setting(settings, "only=friction");
   std::string name = (std::filesystem::temp_directory_path() / "study-XXXXXX").string();
   ASSERT_NE(mkdtemp(name.data()), nullptr);
   const std::filesystem::path folder = name;
@@ -57,7 +58,8 @@ TEST_P(ShortStudies, RunAndSayWhatCameOut) {
 
 INSTANTIATE_TEST_SUITE_P(All, ShortStudies,
                          testing::Values("fig3", "influences", "estimators", "cancellation", "quantisation",
-                                         "equations", "radial-force", "coverage", "many-drives"),
+                                         "equations", "radial-force", "coverage", "many-drives", "hazards",
+                                         "real-road"),
                          [](const auto& parameter) {
                            std::string name = parameter.param;
                            for (char& c : name)
