@@ -66,7 +66,16 @@ UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorM
     fourths += moments.seconds * square.cwiseAbs2();
     // Each component of circular noise has half of its variance.
     const Axes normal = 2.0 * axes(moments.normal);
-    const Axes scatter = axes(inverse_where_known(moments.normal)) / 2.0;
+    Axes scatter = axes(inverse_where_known(moments.normal)) / 2.0;
+    Eigen::Matrix<double, kAxes, kWheels> drift = Eigen::Matrix<double, kAxes, kWheels>::Zero();
+    for (int i = 0; i < kWheels; ++i)
+      if (const Index a = car.place(kTyre + i); a >= 0)
+        drift.col(i) = kTyreDriftSigma / car.prior().sigma(kTyre + i) * 2.0 *
+                       axes(moments.right_sides(forces_by[static_cast<std::size_t>(a)]));
+    // (N + D D')^-1
+    const Eigen::Matrix<double, kAxes, kWheels> spread = scatter * drift;
+    scatter -=
+        spread * (Eigen::Matrix4d::Identity() + drift.transpose() * spread).inverse() * spread.transpose();
     MatrixXd by(kAxes, size);  // what is to explain N y
     const AxesVector inverse_square = (square.array() > 0.0).select(square.cwiseInverse(), 0.0);
     by.leftCols<kAxes>() = normal;

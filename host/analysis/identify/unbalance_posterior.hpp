@@ -15,6 +15,10 @@ namespace roadbalance {
 /// N.
 inline constexpr double kRadialForceSigma_n = 30.0;
 
+/// By which a tyre's stiffness differs from speed to speed of a drive, as a part of it: it warms up by about
+/// 5 %, and speeds come one after the other.
+inline constexpr double kTyreDriftSigma = 0.015;
+
 /// A wheel's first-order force U Om^2 + R: its unbalance, and what of its tyre does not grow with speed.
 /// Covariances are of real and imaginary part.
 struct WheelFirstOrder {
@@ -35,10 +39,11 @@ struct UnbalancePosterior {
 /// With y_s the forces at the lines of the speeds driven, N_s y_s = b_s (LineMoments), and v the car's
 /// unknowns, of mode v_0 and covariance C before the lines are heard,
 ///
-///     y_s(v_0) + G_s (v - v_0) = U + R / Om_s^2 + n_s,    E[n n^H] = N_s^-1,    R ~ N(0,
-///     kRadialForceSigma_n^2),
+///     y_s(v_0) + G_s (v - v_0 + t_s) = U + R / Om_s^2 + n_s,    E[n n^H] = N_s^-1,
+///     R ~ N(0, kRadialForceSigma_n^2),
 ///
-/// linear in all that is unknown, and Gaussian.
+/// t_s the tyres' own deviations at that speed (kTyreDriftSigma): linear in all that is unknown, and
+/// Gaussian.
 ///
 /// @param lines  by speed; wheels that lack a reference there have no equations in it
 UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorMode& mode,
