@@ -815,7 +815,7 @@ class CurvatureBySteps {
 PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& start) {
   constexpr int kScoring = 6;  ///< steps by the information; those to come by what the steps show as well
   constexpr int kMostSteps = 60;
-  constexpr double kEnough = 1e-3;  ///< of J: a step that gains less is a thirtieth of a standard deviation
+  constexpr double kEnough = 1e-2;  ///< of J: a step that gains less is a seventh of a standard deviation
   PosteriorMode mode{.v = start, .covariance = {}};
   VectorXd gradient, before;
   mode.value = posterior.value(mode.v, gradient);
