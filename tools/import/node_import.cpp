@@ -36,7 +36,7 @@ ChannelSuspicion::ChannelSuspicion(const ChannelConfig& channel, double rate_hz)
       clipping_(rate_hz) {}
 
 void ChannelSuspicion::add(double value_m_s2) {
-  if (std::abs(value_m_s2) >= kClipped * channel_.range_m_s2) ++clipped_;
+  if (std::abs(value_m_s2) >= kRangeEnd * channel_.range_m_s2) ++clipped_;
   if (std::isnan(value_m_s2))
     clipping_.skip();
   else
@@ -126,7 +126,7 @@ void NodeImport::add(std::span<const double> cells, std::int64_t row, std::int64
     const ChannelConfig& channel = node_.channel[input.channel];
     const double value = cells[input.column];
     scan.counts[input.channel] = counts_of(channel, value);
-    if (std::abs(value) >= kClipped * channel.range_m_s2 ||
+    if (std::abs(value) >= kRangeEnd * channel.range_m_s2 ||
         std::abs(value / channel.scale_m_s2_per_count + channel.offset_counts) > kLimit_counts)
       scan.overload |= 1U << input.channel;
   }

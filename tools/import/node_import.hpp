@@ -15,7 +15,7 @@
 namespace roadbalance {
 
 /// A sample this close to full scale is taken as clipped.
-inline constexpr double kClipped = 0.999;
+inline constexpr double kRangeEnd = 0.999;
 
 /// Suspicious properties of an acceleration channel: an offset that gravity cannot explain, no signal,
 /// clipping at its full scale or below. Nothing is corrected.
