@@ -12,7 +12,7 @@ namespace roadbalance {
 namespace {
 
 constexpr int kIterations = 30;
-constexpr double kSettled = 1e-6;  ///< of stiffness and unbalance
+constexpr double kCloseEnough = 1e-6;  ///< of stiffness and unbalance
 constexpr double kMostMove = 2.0;    ///< factor of a stiffness from one iteration to the next
 /// Ends of a finite record leave up to 3 % of the scatter: equations that differ by no more are one.
 constexpr double kEnds = 1e-3;
@@ -172,7 +172,7 @@ std::optional<UnknownRoad> UnknownRoad::fit(const BySpeed<RelationCovariances>& 
       if (std::isfinite((*next)(i))) (*next)(i) = std::clamp((*next)(i), x(i) / kMostMove, x(i) * kMostMove);
     const double moved = change(x, *next);
     x = *next;
-    if (moved < kSettled) break;
+    if (moved < kCloseEnough) break;
   }
   return road;
 }
