@@ -39,7 +39,7 @@ EstimatorAnswer ask(const EstimatorKind& kind, const Question& question, const C
 /// null: not known.  A wheel that is balanced in truth has "residual_kg_m" only.
 nlohmann::ordered_json errors_of(const EstimatorAnswer& answer, const CarTruth& truth, int wheel);
 
-/// Estimators of a comma-separated list, or with an empty one all there are.
+/// Estimators of a comma-separated list, or with an empty one all that are not asked for the whole car.
 /// @throws ConfigError naming the estimators there are
 std::vector<EstimatorKind> chosen_estimators(const std::string& names);
 

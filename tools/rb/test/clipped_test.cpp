@@ -38,8 +38,9 @@ class Clipped : public testing::Test {
   Names clipped_by_levels() {
     Names names;
     const auto found = rb({"levels", record_, "--json"});
-    for (const auto& channel : nlohmann::json::parse(found.output).at("channels"))
-      if (channel.at("clipped_s") > 0.0) names.insert(channel.at("channel"));
+    const auto levels = nlohmann::json::parse(found.output);
+    for (const auto& channel : levels.at("channels"))
+      if (channel.at("clipped_s") > 0.0) names.insert(channel.at("channel").get<std::string>());
     return names;
   }
   test::Outcome import_again() {
