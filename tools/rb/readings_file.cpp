@@ -28,7 +28,9 @@ double last_digit(std::string_view text) {
   const std::size_t exponent = std::min(text.find_first_of("eE"), text.size());
   const std::size_t point = text.substr(0, exponent).find('.');
   const double digits = point == std::string_view::npos ? 0.0 : static_cast<double>(exponent - point - 1);
-  const double power = exponent == text.size() ? 0.0 : number(text.substr(exponent + 1)).value_or(0.0);
+  std::string_view power_text = text.substr(std::min(exponent + 1, text.size()));
+  if (power_text.starts_with('+')) power_text.remove_prefix(1);
+  const double power = number(power_text).value_or(0.0);
   return std::pow(10.0, power - digits);
 }
 

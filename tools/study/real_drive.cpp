@@ -22,6 +22,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Complex = std::complex<double>;
 
+/// Of a wheel's results.
+constexpr std::array kKeys{"mass_percent",  "angle_deg",     "residual_g",    "sigma_percent",
+                           "sigma_deg",     "ellipse",       "alone_ellipse", "force_error_n",
+                           "sigma_force_n", "force_ellipse", "tyre_percent"};
 constexpr double kChange_s = 10.0;  ///< to a speed, and until the car has settled
 
 /// The demonstration car as someone else would describe it: the defaults of vehicle.toml's sigmas.
@@ -152,10 +156,13 @@ Json real_drive_errors(const RealDrive& drive, std::uint64_t seed, const std::fi
   Json wheels = Json::array();
   for (std::size_t w = 0; w < kWheels; ++w) {
     Json wheel{{"name", kWheelNames[w]}};
-    const auto put = [&](const char* key, double value) {
-      wheel[key] = driven.car ? number_or_null(value) : Json(nullptr);
-    };
-    const WheelFirstOrder found = driven.car ? driven.car->wheel[w] : WheelFirstOrder{};
+    if (!driven.car) {
+      for (const char* key : kKeys) wheel[key] = nullptr;
+      wheels.push_back(wheel);
+      continue;
+    }
+    const auto put = [&](const char* key, double value) { wheel[key] = number_or_null(value); };
+    const WheelFirstOrder& found = driven.car->wheel[w];
     const auto i = static_cast<Eigen::Index>(w);
     const Complex force = truth.wheel[w].radial_force_n;
     const Complex unbalance = truth.wheel[w].unbalance_kg_m;
@@ -176,8 +183,7 @@ Json real_drive_errors(const RealDrive& drive, std::uint64_t seed, const std::fi
     put("sigma_force_n", std::sqrt(0.5 * found.force_covariance.trace()));
     put("force_ellipse", ellipse(found.force_n - force, found.force_covariance));
     const Eigen::Index tyre = kTyre + i;
-    put("tyre_percent",
-        driven.car ? 100.0 * (driven.car->parameters(tyre) / truth.parameters(tyre) - 1.0) : 0.0);
+    put("tyre_percent", 100.0 * (driven.car->parameters(tyre) / truth.parameters(tyre) - 1.0));
     wheels.push_back(wheel);
   }
   return wheels;

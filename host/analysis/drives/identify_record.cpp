@@ -104,7 +104,7 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
   RecordedEstimate found =
       recorded_estimate(estimate, drive.estimator->forces(), *drive.vehicle, drive.common_sigma_rad);
   found.refusal = drive.estimator->refusal();
-  if (!found.diagnostics.empty())
+  if (estimate.identification.sections > 0)  // else the refusal names them
     for (std::string& sentence : drive.estimator->clipped()) found.diagnostics.push_back(std::move(sentence));
   if (!drive.contradictions.empty())
     found.refusal += (found.refusal.empty() ? "" : "; ") + drive.contradictions;

@@ -79,7 +79,7 @@ class Assembler {
 
   CommonRows rows_;
   std::vector<NodeMap> maps_;
-  Eigen::Index inputs_;  ///< of SensorMap
+  Eigen::Index inputs_;                   ///< of SensorMap
   std::vector<ClippedChannels> clipped_;  ///< of the nodes in rows_
   bool road_measured_;
   SignalRun run_;

@@ -688,7 +688,7 @@ MatrixXd CarPosterior::information(const VectorXd& v) const {
   return information.selfadjointView<Eigen::Lower>();
 }
 
-/// By the road alone.
+/// Of the body's residuals.
 void CarPosterior::add_body_information(const System& of, const std::vector<MatrixXd>& rows_by,
                                         MatrixXd& information) const {
   for (const Band& band : bands(of)) {
@@ -769,11 +769,12 @@ namespace {
 /// @param information  damped alike on return
 VectorXd bounded_step(MatrixXd& information, const VectorXd& gradient) {
   constexpr double kFarthest = 1.5;  ///< standard deviations of a prior
-  for (double damping = 1.0;; damping *= 4.0) {
+  for (double damping = 1.0; damping < 1e12; damping *= 4.0) {
     const VectorXd step = -information.ldlt().solve(gradient);
     if (step.allFinite() && step.cwiseAbs().maxCoeff() <= kFarthest) return step;
     information.diagonal().array() += damping;
   }
+  return VectorXd::Zero(gradient.size());
 }
 
 /// Where the expected curvature is not the true one, the steps themselves show by how much.
@@ -815,17 +816,18 @@ class CurvatureBySteps {
 PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& start) {
   constexpr int kScoring = 6;  ///< steps by the information; those to come by what the steps show as well
   constexpr int kMostSteps = 60;
-  constexpr double kEnough = 1e-2;  ///< of J: a step that gains less is a seventh of a standard deviation
+  constexpr double kEnough = 1e-2;  ///< of twice what J gains: a step of a tenth of a standard deviation
   PosteriorMode mode{.v = start, .covariance = {}};
   VectorXd gradient, before;
   mode.value = posterior.value(mode.v, gradient);
+  if (!std::isfinite(mode.value)) return mode;
   std::optional<CurvatureBySteps> curvature;
   for (; mode.steps < kMostSteps && !mode.converged; ++mode.steps) {
     VectorXd step;
-    if (mode.steps <= kScoring) {
+    if (mode.steps < kScoring) {
       MatrixXd information = posterior.information(mode.v);
       step = bounded_step(information, gradient);
-      if (mode.steps == kScoring) curvature.emplace(information);
+      if (mode.steps == kScoring - 1) curvature.emplace(information);
     } else {
       step = curvature->step(gradient);
     }
@@ -844,7 +846,9 @@ PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& star
     mode.value = posterior.value(mode.v, gradient);
     if (curvature) curvature->add(part * step, gradient - before);
   }
-  mode.covariance = posterior.information(mode.v).inverse();
+  const MatrixXd information = posterior.information(mode.v);
+  mode.converged = mode.converged && information.llt().info() == Eigen::Success;
+  mode.covariance = information.inverse();
   return mode;
 }
 

@@ -20,8 +20,8 @@ int decimation_factor(const VehicleConfig& vehicle);
 struct IdentificationSample {
   SignalVector signals;
   Eigen::VectorXd readings{};  ///< as SignalRun's
-  bool restart = false;  ///< samples are missing before it
-  bool spoiled = false;  ///< nor are those before them good, since the last restart
+  bool restart = false;        ///< samples are missing before it
+  bool spoiled = false;        ///< nor are those before them good, since the last restart
   std::int64_t time_ns = 0;
   std::optional<Eigen::Vector4d> road_m{};  ///< nothing: not measured
 };

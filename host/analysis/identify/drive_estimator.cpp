@@ -49,17 +49,20 @@ void DriveEstimator::consume(const SealedBlock& block) {
 
 std::string DriveEstimator::refusal() const {
   if (assembler_ && !assembler_->no_common_time().empty()) return assembler_->no_common_time();
-  if (const auto cut = clipped(); !cut.empty() && classes_.empty()) {
-    std::string all;
-    for (const std::string& sentence : cut) all += (all.empty() ? "" : "; ") + sentence;
-    return all;
+  if (!classes_.empty()) return report_.refusal(sections_.phase_drift());
+  std::string all;
+  const auto add = [&all](const std::string& sentence) {
+    if (!sentence.empty()) all += (all.empty() ? "" : "; ") + sentence;
+  };
+  for (const std::string& sentence : clipped()) add(sentence);
+  if (const auto wheel = sections_.missing_reference()) {
+    add(report_.of_vehicle());
+    add(std::string(kWheelNames[static_cast<std::size_t>(*wheel)]) +
+        ": its encoder gave no angle; sections without it are not used");
+  } else {
+    add(report_.refusal(sections_.phase_drift()));
   }
-  if (const auto wheel = sections_.missing_reference(); wheel && classes_.empty()) {
-    const std::string& of_vehicle = report_.of_vehicle();
-    return of_vehicle + (of_vehicle.empty() ? "" : "; ") + kWheelNames[static_cast<std::size_t>(*wheel)] +
-           ": its encoder gave no angle; sections without it are not used";
-  }
-  return report_.refusal(sections_.phase_drift());
+  return all;
 }
 
 std::vector<std::string> DriveEstimator::clipped() const {

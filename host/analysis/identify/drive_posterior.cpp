@@ -17,6 +17,7 @@ using Eigen::Index;
 
 constexpr double kClass_m_s = 1.0;
 constexpr double kSection_s = 10.0;  ///< of lines, about
+constexpr double kLeastSection_s = 4.0;
 constexpr double kLeastQuiet = 0.3;  ///< of a section
 constexpr double kLeastSegments = 4.0;
 
@@ -80,20 +81,21 @@ void DrivePosterior::add(const Stretch& stretch) {
                                                 quiet.tail(rest), stretch.omega);
     if (moments.segments > 0.0) speeds_[static_cast<int>(stretch.speed_m_s / kClass_m_s)] += moments;
   }
-  add_lines(stretch, signals, quiet);
+  add_lines(stretch, signals, quiet, settling);
 }
 
 void DrivePosterior::add_lines(const Stretch& stretch, const Eigen::MatrixXd& signals,
-                               const Eigen::ArrayXd& quiet) {
+                               const Eigen::ArrayXd& quiet, Index settling) {
   if (!reader_) reader_.emplace(prior_.geometry, stretch.rate_hz);
-  const Index all = stretch.signals.cols();
+  const Index all = stretch.signals.cols() - settling;
+  if (all < static_cast<Index>(kLeastSection_s * stretch.rate_hz)) return;
   const Index overlap = SectionBuffer::overlap(stretch.rate_hz, all);
   const double wanted = kSection_s * stretch.rate_hz - static_cast<double>(overlap);
   const Index sections = std::max<Index>(1, std::lround(static_cast<double>(all - overlap) / wanted));
   const Index step = (all - overlap) / sections;
   Lines lines{.speed_class = static_cast<int>(stretch.speed_m_s / kClass_m_s), .density = {}, .sections = {}};
   for (Index s = 0; s < sections; ++s) {
-    const Index begin = s * step, size = step + overlap;
+    const Index begin = settling + s * step, size = step + overlap;
     const auto quiet_of = quiet.segment(begin, size);
     if (quiet_of.mean() < kLeastQuiet) continue;
     lines.sections.push_back(reader_->read(stretch.signals.middleCols(begin, size),

@@ -45,7 +45,8 @@ class DrivePosterior {
     RoadSpectrum density;
     std::vector<LineReading> sections;
   };
-  void add_lines(const Stretch& stretch, const Eigen::MatrixXd& signals, const Eigen::ArrayXd& quiet);
+  void add_lines(const Stretch& stretch, const Eigen::MatrixXd& signals, const Eigen::ArrayXd& quiet,
+                 Eigen::Index settling);
   std::map<int, LineMoments> weighed(const ParameterVector& parameters) const;
 
   CarPrior prior_;

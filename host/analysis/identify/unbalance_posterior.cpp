@@ -1,5 +1,7 @@
 #include "host/analysis/identify/unbalance_posterior.hpp"
 
+#include <limits>
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
@@ -103,7 +105,15 @@ UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorM
     wheel.unbalance_covariance = covariance.block<2, 2>(u, u);
     wheel.force_n = phasor(found, r);
     wheel.force_covariance = covariance.block<2, 2>(r, r);
-    const double share = fourths(u) > 0.0 ? squares(u) / fourths(u) : 0.0;
+    if (!(fourths(u) > 0.0)) {
+      constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+      wheel.unbalance_kg_m = wheel.force_n = wheel.correction_kg_m = {kNone, kNone};
+      wheel.unbalance_covariance.setConstant(kNone);
+      wheel.force_covariance.setConstant(kNone);
+      wheel.correction_covariance.setConstant(kNone);
+      continue;
+    }
+    const double share = squares(u) / fourths(u);
     wheel.correction_kg_m = wheel.unbalance_kg_m + share * wheel.force_n;
     const Eigen::Matrix2d crossed = covariance.block<2, 2>(u, r);
     wheel.correction_covariance = wheel.unbalance_covariance + share * (crossed + crossed.transpose()) +

@@ -20,7 +20,7 @@ inline constexpr double kRadialForceSigma_n = 30.0;
 inline constexpr double kTyreDriftSigma = 0.015;
 
 /// A wheel's first-order force U Om^2 + R: its unbalance, and what of its tyre does not grow with speed.
-/// Covariances are of real and imaginary part.
+/// Covariances are of real and imaginary part.  NaN: it turned without its angle.
 struct WheelFirstOrder {
   std::complex<double> unbalance_kg_m, force_n;
   Eigen::Matrix2d unbalance_covariance, force_covariance;

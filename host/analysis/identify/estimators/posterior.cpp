@@ -45,6 +45,7 @@ EstimatorAnswer Posterior::solve() const {
     const int at = kEstimatedUnbalance + 2 * i;
     x.segment<2>(at) << wheel.correction_kg_m.real(), wheel.correction_kg_m.imag();
     covariance.block<2, 2>(at, at) = wheel.correction_covariance;
+    if (!std::isfinite(std::abs(wheel.correction_kg_m))) continue;
     sentences.push_back(format("%s: tyre's force %.0f ± %.0f N; unbalance alone %.2f ± %.2f g m at %.0f°",
                                kWheelNames[static_cast<std::size_t>(i)], std::abs(wheel.force_n),
                                size_sigma(wheel.force_n, wheel.force_covariance),

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kIterations = 30;
 constexpr double kCloseEnough = 1e-6;  ///< of stiffness and unbalance
-constexpr double kMostMove = 2.0;    ///< factor of a stiffness from one iteration to the next
+constexpr double kMostMove = 2.0;      ///< factor of a stiffness from one iteration to the next
 /// Ends of a finite record leave up to 3 % of the scatter: equations that differ by no more are one.
 constexpr double kEnds = 1e-3;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

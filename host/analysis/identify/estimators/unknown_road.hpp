@@ -25,10 +25,10 @@ namespace roadbalance {
 ///     sum_k Z_k' (A_k x - b_k) = 0,   Z_k = V_k^-1 (a_k - G_k r),   sum_k Z_k' G_k = 0,
 ///
 /// V the scatter that the road leaves in the means, a the harmonic part of A, G = diag(1 / lambda); linear in
-/// x, and repeated with what came out until it stays.  Z has nothing random in it, so the road's noise in A
-/// does not pull x off, however many instruments there are (Source: L. P. Hansen, Large sample properties of
-/// generalized method of moments estimators, Econometrica 50 (1982) 1029; W. K. Newey, Efficient instrumental
-/// variables estimation of nonlinear models, Econometrica 58 (1990) 809).
+/// x, and repeated with what came out until it stays, 30 times at most.  Z has nothing random in it, so the
+/// road's noise in A does not pull x off, however many instruments there are (Source: L. P. Hansen, Large
+/// sample properties of generalized method of moments estimators, Econometrica 50 (1982) 1029; W. K. Newey,
+/// Efficient instrumental variables estimation of nonlinear models, Econometrica 58 (1990) 809).
 ///
 /// What this costs: at lag 0 and above the random parts of C_yz'' grow from speed to speed as C_yu does, but
 /// for the contact patch's corner.  Eliminating the one removes what the others tell of the stiffness, so a

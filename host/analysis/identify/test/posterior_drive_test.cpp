@@ -68,6 +68,16 @@ TEST_P(PosteriorOfADrive, HoldsTyresAndForcesWhateverTheRoad) {
   }
   const auto found = posterior.solve();
   ASSERT_TRUE(found);
+  if (drive.scenario.damper.is_linear()) {
+    EXPECT_LT(found->friction_n.cwiseAbs().maxCoeff(), 3.0);
+    EXPECT_LT(found->rebound.cwiseAbs().maxCoeff(), 0.03);
+  } else {
+    const double half = 0.5 * (drive.scenario.damper.rebound - drive.scenario.damper.compression);
+    for (int i = 0; i < kWheels; ++i) {
+      EXPECT_NEAR(found->friction_n(i), drive.scenario.damper.friction_n, 4.0) << i;
+      EXPECT_NEAR(found->rebound(i), half, 0.03) << i;
+    }
+  }
   // One in a thousand of the four wheels exceeds these: chi^2 of one and of two.
   constexpr double kOfOne = 13.4, kOfTwo = 16.6;
   for (int i = 0; i < kWheels; ++i) {
