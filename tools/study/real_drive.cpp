@@ -28,19 +28,6 @@ constexpr std::array kKeys{"mass_percent",  "angle_deg",     "residual_g",    "s
                            "sigma_force_n", "force_ellipse", "tyre_percent"};
 constexpr double kChange_s = 10.0;  ///< to a speed, and until the car has settled
 
-/// The demonstration car as someone else would describe it: the defaults of vehicle.toml's sigmas.
-VehicleConfig car_of_a_stranger() {
-  VehicleConfig vehicle = demo_vehicle();
-  vehicle.model.body_mass_sigma_kg = 0.03 * vehicle.model.body_mass_kg;
-  vehicle.model.roll_inertia_sigma_kg_m2 = 0.1 * vehicle.model.roll_inertia_kg_m2;
-  vehicle.model.pitch_inertia_sigma_kg_m2 = 0.1 * vehicle.model.pitch_inertia_kg_m2;
-  for (AxleConfig& axle : vehicle.model.axle) axle.tyre_damper_sigma_n_s_m = 50.0;
-  for (WheelConfig& wheel : vehicle.wheel) wheel.mass_sigma_kg = 0.02 * wheel.mass_kg;
-  for (NodeConfig& node : vehicle.node)
-    for (ChannelConfig& channel : node.channel) channel.gain_sigma = 0.01;
-  return vehicle;
-}
-
 std::string scenario_of(const RealDrive& drive) {
   const Hazard& hazard = drive.hazard;
   std::string text = "[drive]\nramp_s = 6.0\n";
@@ -97,6 +84,18 @@ Driven put_to_posterior(const VehicleConfig& vehicle, const std::string& address
 }
 
 }  // namespace
+
+VehicleConfig car_of_a_stranger() {
+  VehicleConfig vehicle = demo_vehicle();
+  vehicle.model.body_mass_sigma_kg = 0.03 * vehicle.model.body_mass_kg;
+  vehicle.model.roll_inertia_sigma_kg_m2 = 0.1 * vehicle.model.roll_inertia_kg_m2;
+  vehicle.model.pitch_inertia_sigma_kg_m2 = 0.1 * vehicle.model.pitch_inertia_kg_m2;
+  for (AxleConfig& axle : vehicle.model.axle) axle.tyre_damper_sigma_n_s_m = 50.0;
+  for (WheelConfig& wheel : vehicle.wheel) wheel.mass_sigma_kg = 0.02 * wheel.mass_kg;
+  for (NodeConfig& node : vehicle.node)
+    for (ChannelConfig& channel : node.channel) channel.gain_sigma = 0.01;
+  return vehicle;
+}
 
 std::span<const Hazard> hazards() {
   static const std::vector<Hazard> kAll{

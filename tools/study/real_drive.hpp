@@ -7,7 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "common/config/vehicle_config.hpp"
+
 namespace roadbalance {
+
+/// The demonstration car as of one's own little is known: masses to 2 and 3 %, inertias to 10 %, tyre dampers
+/// to 50 N s/m, gains to 1 %, vehicle.toml's defaults.
+VehicleConfig car_of_a_stranger();
 
 /// What is different from the ideal car, in the tables of a scenario (sim/README.md).
 struct Hazard {
