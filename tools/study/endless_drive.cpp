@@ -60,11 +60,11 @@ WhittleMoments EndlessDrive::spectra(const ExactDrive& drive, double speed_m_s) 
   const double least = turn * ExactDrive::kLeastWave_1_m * speed_m_s;
   const double patch = turn * kPatchWave_1_m * speed_m_s;
   WhittleMoments sum;
-  sum.step_hz = 1.0 / kWhittleSegment_s;
-  sum.first = std::lround(kWhittleFrom_hz / sum.step_hz);
+  const double step_hz = 1.0 / kWhittleSegment_s;
   sum.segments = 1.0;
   sum.delay_seconds = (geometry_.x_m[0] - geometry_.x_m[2]) / speed_m_s;
-  const Eigen::Index bins = std::lround(kWhittleTo_hz / sum.step_hz) - sum.first + 1;
+  const Eigen::Index bins = std::lround((kWhittleTo_hz - kWhittleFrom_hz) / step_hz) + 1;
+  sum.frequency_hz = Eigen::ArrayXd::LinSpaced(bins, kWhittleFrom_hz, kWhittleTo_hz);
   sum.count.setOnes(bins);
   for (Eigen::Index k = 0; k < bins; ++k) {
     const double om = sum.omega(k);
@@ -75,7 +75,7 @@ WhittleMoments EndlessDrive::spectra(const ExactDrive& drive, double speed_m_s) 
         -om * om * (model.S.cast<Complex>() + Complex(0.0, om) * model.Sd.cast<Complex>()));
     const double density = 1.0 / ((om * om + least * least) * (1.0 + om * om / (patch * patch)));
     for (int i = 0; i < kWheels; ++i)  // no line is in the spectrum here, but its bins do not count there
-      if (std::abs(om - drive.omega(i)) < kLineBins * turn * sum.step_hz) sum.count(k) = 0.0;
+      if (std::abs(om - drive.omega(i)) < kLineBins * turn * step_hz) sum.count(k) = 0.0;
     sum.same.emplace_back(sum.count(k) * density * Z * Z.adjoint());
     sum.delayed.emplace_back(std::polar(1.0, -om * sum.delay_seconds) * sum.same.back());
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "common/config/section.hpp"
 #include "common/types/angle_units.hpp"
@@ -74,12 +73,7 @@ nlohmann::ordered_json errors_of(const EstimatorAnswer& answer, const CarTruth& 
 std::vector<EstimatorKind> chosen_estimators(const std::string& names) {
   const auto all = estimators();
   std::vector<EstimatorKind> result;
-  if (names.empty()) {
-    // Of one that is asked for the whole car the bound of a few unknowns is none.
-    std::copy_if(all.begin(), all.end(), std::back_inserter(result),
-                 [](const auto& k) { return !k.whole_car; });
-    return result;
-  }
+  if (names.empty()) return {all.begin(), all.end()};
   for (std::size_t begin = 0; begin <= names.size();) {
     const std::size_t end = std::min(names.find(',', begin), names.size());
     const std::string name = names.substr(begin, end - begin);

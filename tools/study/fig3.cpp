@@ -32,7 +32,7 @@ IdealDrive drive_of(const Json& settings, const VehicleConfig& vehicle) {
 }
 
 Question question_of(const CarTruth& truth, const VehicleConfig& vehicle) {
-  Question question{geometry_of(vehicle.model), truth.parameters, {}, CarPrior::of(vehicle)};
+  Question question{geometry_of(vehicle.model), truth.parameters, {}};
   question.known(kTyre + kFig3Wheel) *= kStart;
   for (const int asked : {kEstimatedTyre + kFig3Wheel, kEstimatedUnbalance + 2 * kFig3Wheel,
                           kEstimatedUnbalance + 2 * kFig3Wheel + 1})

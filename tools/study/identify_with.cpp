@@ -55,8 +55,7 @@ void refuse_without_road(const EstimatorKind& kind, const VehicleConfig& vehicle
 }
 
 Question of_suspension(const VehicleConfig& vehicle) {
-  return {geometry_of(vehicle.model), nominal_parameters(vehicle), suspension_unknowns(),
-          CarPrior::of(vehicle)};
+  return {geometry_of(vehicle.model), nominal_parameters(vehicle), suspension_unknowns()};
 }
 
 /// Tyres and the unbalances of wheels with an encoder, with the identified suspension.
@@ -71,12 +70,6 @@ Question of_wheels(const VehicleConfig& vehicle, const EstimatorAnswer& suspensi
     question.asked.set(kEstimatedUnbalance + 2 * i);
     question.asked.set(kEstimatedUnbalance + 2 * i + 1);
   }
-  return question;
-}
-
-Question of_car(const VehicleConfig& vehicle) {
-  Question question = of_suspension(vehicle);
-  question.asked |= of_wheels(vehicle, {}).asked;
   return question;
 }
 
@@ -124,7 +117,7 @@ std::string shown(const char* form, double value) {
 Identification suspension_of(const EstimatorAnswer& answer) {
   Identification result;
   result.state = Unknown::kNone;
-  put_suspension(answer.x, answer.covariance, result);
+  put_suspension(answer.x, answer.covariance.diagonal().cwiseSqrt(), result);
   return result;
 }
 
@@ -180,13 +173,11 @@ int identify_with(const std::string& estimator, const std::string& folder, bool 
   refuse_without_road(kind, vehicle);
   const bool chassis = estimator == "chassis";
   RecordingDefects defects;
-  const Told suspension = kind.whole_car ? ask(estimator, of_car(vehicle), folder, refine, defects)
-                                         : ask("chassis", of_suspension(vehicle), folder, refine, defects);
+  const Told suspension = ask("chassis", of_suspension(vehicle), folder, refine, defects);
   warn_of_defects("identify", folder, defects);
-  Told told = chassis || kind.whole_car
-                  ? suspension
-                  : ask(estimator, of_wheels(vehicle, suspension.answer), folder, refine, defects);
-  if (!chassis && !kind.whole_car) {
+  Told told =
+      chassis ? suspension : ask(estimator, of_wheels(vehicle, suspension.answer), folder, refine, defects);
+  if (!chassis) {
     remark_on_tyres(told.answer);
     told.answer.diagnostics.emplace_back("± takes springs, dampers and stabilisers as told here for exact");
   }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/vehicle/sensor_map.hpp"
 #include "host/analysis/identify/estimate.hpp"
 #include "host/analysis/identify/joint_drives.hpp"
 #include "host/analysis/identify/section.hpp"
@@ -85,10 +86,14 @@ std::vector<Stretch> drive_once(const ManyDrives& drives, VehicleConfig car, std
 /// Contribution of the drive to the joint estimate, weighed by its information on the car (DriveEstimator).
 DriveSums sums_of(const std::vector<Stretch>& stretches, const VehicleConfig& described) {
   std::vector<DrivenSection> driven;
-  SectionBuilder sections(described, [&](const DrivenSection& section) { driven.push_back(section); });
+  const Eigen::MatrixXd sensors = SensorMap::from(described).readings;
+  SectionBuilder sections(
+      described, [&](const DrivenSection& section) { driven.push_back(section); }, sensors);
   for (const Stretch& stretch : stretches)
     for (Eigen::Index k = 0; k < stretch.signals.cols(); ++k)
-      sections.consume({.signals = stretch.signals.col(k), .restart = k == 0});
+      sections.consume({.signals = stretch.signals.col(k),
+                        .readings = sensors * stretch.signals.col(k).head<kCoordinates>(),
+                        .restart = k == 0});
   DriveMoments total;
   for (const DrivenSection& section : driven) total += section;
   const Priors known = Priors::of(described);
@@ -99,7 +104,10 @@ DriveSums sums_of(const std::vector<Stretch>& stretches, const VehicleConfig& de
     for (DrivenSection& section : driven) sections.weigh_anew(section);
   }
   DriveSums sums(described.drive.speed_class_m_s);
-  for (const DrivenSection& section : driven) sums.classes.add(section);
+  for (const DrivenSection& section : driven) {
+    sums.classes.add(section);
+    sums.posterior.add(section, described.drive.speed_class_m_s);
+  }
   sums.drift = sections.phase_drift();
   sums.state = driven.empty() ? Unknown::kTooShort : Unknown::kNone;
   return sums;

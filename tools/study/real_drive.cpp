@@ -3,14 +3,12 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <fstream>
 #include <optional>
 
 #include "common/types/angle_units.hpp"
-#include "host/analysis/identify/assemble.hpp"
-#include "host/analysis/identify/decimate.hpp"
-#include "host/analysis/identify/drive_posterior.hpp"
-#include "host/analysis/identify/stretch_collector.hpp"
+#include "host/analysis/identify/drive_estimator.hpp"
 #include "sim/truth.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/simulated_drive.hpp"
@@ -60,27 +58,16 @@ double ellipse(Complex difference, const Eigen::Matrix2d& covariance) {
   return parts.dot(covariance.inverse() * parts);
 }
 
-/// What the drive showed, and how it was driven.
-struct Driven {
-  std::optional<PosteriorCar> car;
-  Eigen::Vector4d square = Eigen::Vector4d::Zero(), fourth = Eigen::Vector4d::Zero();  ///< of Om, times s
-};
-
-Driven put_to_posterior(const VehicleConfig& vehicle, const std::string& address) {
-  Driven driven;
-  DrivePosterior posterior(CarPrior::of(vehicle));
-  StretchCollector stretches(vehicle, [&](const Stretch& stretch) {
-    posterior.add(stretch);
-    driven.square += stretch.seconds() * stretch.omega.cwiseAbs2();
-    driven.fourth += stretch.seconds() * stretch.omega.cwiseAbs2().cwiseAbs2();
-  });
-  Decimator decimator(decimation_factor(vehicle),
-                      [&](const IdentificationSample& sample) { stretches.consume(sample); });
-  Assembler assembler(vehicle, [&](const SignalRun& run) { decimator.consume(run); });
-  simulate_drive(vehicle, address, {}, [&](const SealedBlock& block) { assembler.consume(block); });
-  stretches.finish();
-  driven.car = posterior.solve();
-  return driven;
+/// Part of a force that does not grow with speed in the best correction, 1 / (rad/s)^2: as long is driven at
+/// each speed.
+double share_of_force(const RealDrive& drive, double rolling_radius_m) {
+  double square = 0.0, fourth = 0.0;
+  for (const double speed_km_h : drive.speeds_km_h) {
+    const double omega = speed_km_h / 3.6 / rolling_radius_m;
+    square += omega * omega;
+    fourth += std::pow(omega, 4);
+  }
+  return square / fourth;
 }
 
 }  // namespace
@@ -149,23 +136,27 @@ Json real_drive_errors(const RealDrive& drive, std::uint64_t seed, const std::fi
   const std::filesystem::path file = folder / ("real-" + std::to_string(seed) + ".toml");
   std::ofstream(file) << scenario_of(drive);  // one that is not written is not found
   const VehicleConfig vehicle = car_of_a_stranger();
-  const Driven driven =
-      put_to_posterior(vehicle, file.string() + "?seed=" + std::to_string(seed) + "&rate=max");
+  DriveEstimator estimator(vehicle);
+  simulate_drive(vehicle, file.string() + "?seed=" + std::to_string(seed) + "&rate=max", {},
+                 [&](const SealedBlock& block) { estimator.consume(block); });
+  estimator.estimate();
+  const std::optional<PosteriorCar>& car = estimator.car();
+  const bool told = car && estimator.refusal().empty();
   const sim::DrawnCar truth = sim::truth_of(file.string(), seed, vehicle).car;
   Json wheels = Json::array();
   for (std::size_t w = 0; w < kWheels; ++w) {
     Json wheel{{"name", kWheelNames[w]}};
-    if (!driven.car) {
+    if (!told) {
       for (const char* key : kKeys) wheel[key] = nullptr;
       wheels.push_back(wheel);
       continue;
     }
     const auto put = [&](const char* key, double value) { wheel[key] = number_or_null(value); };
-    const WheelFirstOrder& found = driven.car->wheel[w];
+    const WheelFirstOrder& found = car->wheel[w];
     const auto i = static_cast<Eigen::Index>(w);
     const Complex force = truth.wheel[w].radial_force_n;
     const Complex unbalance = truth.wheel[w].unbalance_kg_m;
-    const Complex correction = unbalance + force * driven.square(i) / driven.fourth(i);
+    const Complex correction = unbalance + force * share_of_force(drive, vehicle.wheel[w].rolling_radius_m);
     const Complex unit = correction / std::abs(correction);
     const Eigen::Vector2d along(unit.real(), unit.imag()), across(-unit.imag(), unit.real());
     const auto sigma = [&](const Eigen::Vector2d& way) {
@@ -182,9 +173,15 @@ Json real_drive_errors(const RealDrive& drive, std::uint64_t seed, const std::fi
     put("sigma_force_n", std::sqrt(0.5 * found.force_covariance.trace()));
     put("force_ellipse", ellipse(found.force_n - force, found.force_covariance));
     const Eigen::Index tyre = kTyre + i;
-    put("tyre_percent", 100.0 * (driven.car->parameters(tyre) / truth.parameters(tyre) - 1.0));
+    put("tyre_percent", 100.0 * (car->parameters(tyre) / truth.parameters(tyre) - 1.0));
     wheels.push_back(wheel);
   }
+  if (const std::string refusal = estimator.refusal(); !refusal.empty())
+    std::fprintf(stderr, "%s, drive %llu: %s\n", drive.hazard.name.c_str(),
+                 static_cast<unsigned long long>(seed), refusal.c_str());
+  for (const std::string& remark : estimator.remarks())
+    std::fprintf(stderr, "%s, drive %llu: %s\n", drive.hazard.name.c_str(),
+                 static_cast<unsigned long long>(seed), remark.c_str());
   return wheels;
 }
 

@@ -113,7 +113,7 @@ TrialCase four_wheels(const std::string& name, Eigen::Index samples, double rear
                 {.scenario = plain_scenario(vehicle),
                  .speeds_m_s = speeds_between(110.0, 130.0, 4),
                  .samples = samples},
-                {geometry_of(vehicle.model), nominal_parameters(vehicle), {}, CarPrior::of(vehicle)},
+                {geometry_of(vehicle.model), nominal_parameters(vehicle), {}},
                 {},
                 {0, 1, 2, 3}};
   one.drive.scenario.road.rear_coherence2 = rear_coherence2;

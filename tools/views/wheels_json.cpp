@@ -34,7 +34,7 @@ nlohmann::ordered_json wheels_json(const Identification& identification,
       return is_known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
     };
     const bool weighed = balance[w].state == Unknown::kNone;
-    const bool apart = weighed && balance[w].force_state == ForceState::kSeparated;
+    const bool judged = weighed && balance[w].force_state != ForceState::kNotJudged;
     const bool pressed = identification.state == Unknown::kNone;
     wheels.push_back(
         {{"name", kWheelNames[w]},
@@ -44,8 +44,12 @@ nlohmann::ordered_json wheels_json(const Identification& identification,
          {"sigma_deg", known(weighed, balance[w].sigma_rad * kDegrees)},
          {"covariance_g2", weighed ? rows_of(balance[w].covariance_g2) : nullptr},
          {"force_state", weighed ? nlohmann::ordered_json(name_of(balance[w].force_state)) : nullptr},
-         {"force_n", known(apart, balance[w].force_n)},
-         {"sigma_force_n", known(apart, balance[w].sigma_force_n)},
+         {"alone_g", known(judged, balance[w].alone_g)},
+         {"alone_deg", known(judged, balance[w].alone_angle_rad * kDegrees)},
+         {"sigma_alone_g", known(judged, balance[w].sigma_alone_g)},
+         {"force_n", known(judged, balance[w].force_n)},
+         {"force_deg", known(judged, balance[w].force_angle_rad * kDegrees)},
+         {"sigma_force_n", known(judged, balance[w].sigma_force_n)},
          {"tyre_stiffness_n_m", known(pressed, identification.tyre_n_m[w])},
          {"sigma_tyre_stiffness_n_m", known(pressed, identification.sigma_tyre_n_m[w])}});
   }

@@ -104,6 +104,7 @@ RecordedEstimate identify_record(const std::filesystem::path& folder, bool refin
   RecordedEstimate found =
       recorded_estimate(estimate, drive.estimator->forces(), *drive.vehicle, drive.common_sigma_rad);
   found.refusal = drive.estimator->refusal();
+  for (const std::string& sentence : drive.estimator->remarks()) found.diagnostics.push_back(sentence);
   if (estimate.identification.sections > 0)  // else the refusal names them
     for (std::string& sentence : drive.estimator->clipped()) found.diagnostics.push_back(std::move(sentence));
   if (!drive.contradictions.empty())

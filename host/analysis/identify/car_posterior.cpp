@@ -206,12 +206,12 @@ CarPrior CarPrior::of(const VehicleConfig& vehicle) {
   return prior;
 }
 
-CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMoments*> speeds)
+CarPosterior::CarPosterior(const CarPrior& prior, std::vector<SpeedOnRoad> speeds)
     : prior_(prior),
       speeds_(std::move(speeds)),
       channels_(prior.sensors.rows()),
       motion_(3 * channels_ + kStrutSignals),
-      bins_(speeds_.front()->bins()),
+      bins_(speeds_.front().spectra->bins()),
       residuals_(channels_ - kWheels),
       known_(0) {
   for (int p = 0; p < kParameters; ++p) {
@@ -225,16 +225,17 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<const SpectralMome
   if (prior.friction_sigma_n > 0.0) friction_ = std::exchange(known_, known_ + kWheels);
   if (prior.rebound_sigma > 0.0) rebound_ = std::exchange(known_, known_ + kWheels);
   if (prior.strut_sigma > 0.0) strut_ = known_++;
-  size_ = known_ + kCurves * kShape;
+  for (const SpeedOnRoad& speed : speeds_) roads_ = std::max(roads_, speed.road + 1);
+  size_ = curves_of(roads_);
   const Eigen::JacobiSVD<MatrixXd> svd(prior.sensors, Eigen::ComputeFullU | Eigen::ComputeFullV);
   coordinates_ = svd.solve(MatrixXd::Identity(channels_, channels_));
   rigid_ = svd.matrixU().rightCols(channels_ - kCoordinates).transpose();
   count_.setZero(bins_);
   same_.assign(static_cast<std::size_t>(bins_), MatrixXcd::Zero(motion_, motion_));
-  for (const SpectralMoments* speed : speeds_) {
-    count_ += speed->count;
+  for (const SpeedOnRoad& speed : speeds_) {
+    count_ += speed.spectra->count;
     for (Index k = 0; k < bins_ && is_of_body(k); ++k)
-      same_[static_cast<std::size_t>(k)] += speed->same[static_cast<std::size_t>(k)];
+      same_[static_cast<std::size_t>(k)] += speed.spectra->same[static_cast<std::size_t>(k)];
   }
   scale_ << prior.value(kBodyMass), prior.value(kRollInertia), prior.value(kPitchInertia);
   linearise_struts();
@@ -256,6 +257,11 @@ VectorXd CarPosterior::gains(const VectorXd& v) const {
     gains(channel_[a]) =
         std::exp(prior_.gain_sigma(channel_[a]) * v(std::ssize(parameter_) + static_cast<Index>(a)));
   return gains;
+}
+
+/// Place of a road's curves among the unknowns.
+Index CarPosterior::curves_of(int road) const {
+  return known_ + road * kCurves * kShape;
 }
 
 bool CarPosterior::is_of_body(Index bin) const {
@@ -287,7 +293,7 @@ CarPosterior::Equations CarPosterior::equations(const VectorXd& v) const {
   of.rows.block(residuals_ + kWheels, 2 * channels_, kWheels, channels_) = coordinates.bottomRows(kWheels);
   of.rows.rightCols(kStrutSignals) << strut_columns(friction_n(v)),
       strut_columns(rebound(v).cwiseProduct(parameters.segment<kWheels>(kDamper)));
-  strut_rows(of.rows) *= strut_scale(v);
+  strut_rows(of.rows) *= strut_factor(v);
   return of;
 }
 
@@ -340,13 +346,19 @@ void CarPosterior::linearise_struts() {
       for (const int row : {i, kWheels + i}) linear_(row, i) = with(row, i) / power(i);
 }
 
-Index CarPosterior::place_of_gain(Index channel) const {
-  const auto found = std::find(channel_.begin(), channel_.end(), channel);
-  return found == channel_.end() ? -1 : std::ssize(parameter_) + (found - channel_.begin());
+std::vector<UncertainQuantity> CarPosterior::quantities() const {
+  using Kind = UncertainQuantity::Kind;
+  std::vector<UncertainQuantity> all;
+  for (const int p : parameter_) all.push_back({Kind::kParameter, p});
+  for (const Index c : channel_) all.push_back({Kind::kGain, c});
+  for (Index i = 0; i < kWheels && friction_ >= 0; ++i) all.push_back({Kind::kFriction, i});
+  for (Index i = 0; i < kWheels && rebound_ >= 0; ++i) all.push_back({Kind::kRebound, i});
+  if (strut_ >= 0) all.push_back({Kind::kStruts, 0});
+  return all;
 }
 
 /// Of the struts' forces in the wheels' rows.
-double CarPosterior::strut_scale(const VectorXd& v) const {
+double CarPosterior::strut_factor(const VectorXd& v) const {
   return strut_ < 0 ? 1.0 : std::exp(prior_.strut_sigma * v(strut_));
 }
 
@@ -356,7 +368,7 @@ Eigen::Block<MatrixXd> CarPosterior::strut_rows(MatrixXd& rows) const {
 
 MatrixXd CarPosterior::wheel_forces(const VectorXd& v) const {
   Equations of = equations(v);
-  strut_rows(of.rows) /= strut_scale(v);
+  strut_rows(of.rows) /= strut_factor(v);
   MatrixXd forces = of.rows.middleRows(residuals_, kWheels);
   const MatrixXd heights = of.rows.block(residuals_ + kWheels, 2 * channels_, kWheels, channels_);
   forces.middleCols(channels_, channels_) += of.tyre_damper.asDiagonal() * heights;
@@ -375,14 +387,14 @@ MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Inde
   if (friction_ >= 0 && unknown >= friction_ && unknown < friction_ + kWheels) {
     rows.middleCols(3 * channels_, kWheels) =
         strut_columns(prior_.friction_sigma_n * Eigen::Vector4d::Unit(unknown - friction_));
-    strut_rows(rows) *= strut_scale(v);
+    strut_rows(rows) *= strut_factor(v);
     return rows;
   }
   if (rebound_ >= 0 && unknown >= rebound_ && unknown < rebound_ + kWheels) {
     const Index i = unknown - rebound_;
     rows.rightCols(kWheels) =
         strut_columns(prior_.rebound_sigma * parameters(v)(kDamper + i) * Eigen::Vector4d::Unit(i));
-    strut_rows(rows) *= strut_scale(v);
+    strut_rows(rows) *= strut_factor(v);
     return rows;
   }
   if (unknown >= std::ssize(parameter_)) {
@@ -406,7 +418,7 @@ MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Inde
   if (p >= kDamper && p < kStabiliser)
     rows.rightCols(kWheels) =
         strut_columns(step * rebound(v)(p - kDamper) * Eigen::Vector4d::Unit(p - kDamper));
-  strut_rows(rows) *= strut_scale(v);
+  strut_rows(rows) *= strut_factor(v);
   return rows;
 }
 
@@ -446,9 +458,9 @@ std::vector<Eigen::ArrayXd> CarPosterior::curve_by(const SpectralMoments& speed)
 }
 
 /// log phi of left and right, mixing of sides and of axles [bin x curve]
-MatrixXd CarPosterior::curves(const VectorXd& v, const SpectralMoments& speed) const {
-  const std::vector<Eigen::ArrayXd> by = curve_by(speed);
-  const double speed_m_s = (prior_.geometry.x_m[0] - prior_.geometry.x_m[2]) / speed.delay_s();
+MatrixXd CarPosterior::curves(const VectorXd& v, const SpeedOnRoad& speed) const {
+  const std::vector<Eigen::ArrayXd> by = curve_by(*speed.spectra);
+  const double speed_m_s = (prior_.geometry.x_m[0] - prior_.geometry.x_m[2]) / speed.spectra->delay_s();
   MatrixXd curves = MatrixXd::Zero(bins_, kCurves);
   for (Index k = 0; k < bins_; ++k) {
     const double n = omega(k) / (2.0 * std::numbers::pi * speed_m_s);
@@ -458,7 +470,7 @@ MatrixXd CarPosterior::curves(const VectorXd& v, const SpectralMoments& speed) c
   for (int c = 0; c < kCurves; ++c)
     for (int b = 0; b < kShape; ++b)
       curves.col(c).array() +=
-          scale_of_curve(c) * v(known_ + c * kShape + b) * by[static_cast<std::size_t>(b)];
+          scale_of_curve(c) * v(curves_of(speed.road) + c * kShape + b) * by[static_cast<std::size_t>(b)];
   return curves;
 }
 
@@ -466,7 +478,7 @@ double CarPosterior::prior_value(const VectorXd& v, VectorXd* gradient) const {
   double value = 0.5 * v.head(known_).squaredNorm();
   if (gradient) gradient->head(known_) += v.head(known_);
   static const MatrixXd kDifferences = second_differences();
-  for (int c = 0; c < kCurves; ++c) {
+  for (int c = 0; c < roads_ * kCurves; ++c) {
     const Index at = known_ + c * kShape;
     const VectorXd bent = kDifferences * v.segment(at + 1, kShape - 1);
     value += 0.5 * v(at) * v(at) + 0.5 * bent.squaredNorm();
@@ -500,9 +512,9 @@ std::vector<CarPosterior::Band> CarPosterior::bands(const System& of) const {
   return all;
 }
 
-CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v,
-                                        const SpectralMoments& speed) const {
-  const MatrixXd curves = this->curves(v, speed);
+CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v, const SpeedOnRoad& on) const {
+  const SpectralMoments& speed = *on.spectra;
+  const MatrixXd curves = this->curves(v, on);
   Roads roads;
   for (Index k = 0; k < bins_; ++k) {
     if (!is_of_road(k) || speed.count(k) <= 0.0) continue;
@@ -539,8 +551,8 @@ double CarPosterior::evaluate(const VectorXd& v, VectorXd* gradient) const {
                     MatrixXcd::Zero(bins_, kWheels)};
   }
   double value = body_value(of, slopes ? &*slopes : nullptr);
-  for (const SpectralMoments* speed : speeds_)
-    value += road_value(of, v, *speed, slopes ? &*slopes : nullptr, gradient);
+  for (const SpeedOnRoad& speed : speeds_)
+    value += road_value(of, v, speed, slopes ? &*slopes : nullptr, gradient);
   if (gradient) add_slopes(of, v, *slopes, *gradient);
   return value + prior_value(v, gradient);
 }
@@ -563,8 +575,8 @@ double CarPosterior::body_value(const System& of, Slopes* slopes) const {
   return value;
 }
 
-double CarPosterior::road_value(const System& of, const VectorXd& v, const SpectralMoments& speed,
-                                Slopes* slopes, VectorXd* gradient) const {
+double CarPosterior::road_value(const System& of, const VectorXd& v, const SpeedOnRoad& speed, Slopes* slopes,
+                                VectorXd* gradient) const {
   const Roads roads = this->roads(of, v, speed);
   if (roads.count <= 0.0) return 0.0;
   const Eigen::LLT<Eigen::Matrix4d> llt(roads.level);
@@ -572,13 +584,14 @@ double CarPosterior::road_value(const System& of, const VectorXd& v, const Spect
   double value =
       roads.log_shape + 2.0 * roads.count * Eigen::Matrix4d(llt.matrixL()).diagonal().array().log().sum();
   for (const Index k : roads.bins)
-    value += speed.count(k) * of.bin[static_cast<std::size_t>(k)].log_determinant;
+    value += speed.spectra->count(k) * of.bin[static_cast<std::size_t>(k)].log_determinant;
   if (slopes) add_road_slopes(of, speed, roads, *slopes, *gradient);
   return value;
 }
 
-void CarPosterior::add_road_slopes(const System& of, const SpectralMoments& speed, const Roads& roads,
+void CarPosterior::add_road_slopes(const System& of, const SpeedOnRoad& on, const Roads& roads,
                                    Slopes& slopes, VectorXd& gradient) const {
+  const SpectralMoments& speed = *on.spectra;
   const Eigen::Matrix4d inverse = roads.level.llt().solve(Eigen::Matrix4d::Identity());
   MatrixXd by_curve = MatrixXd::Zero(bins_, kCurves);
   const std::array<Eigen::Matrix4d, 2> swap{swap_sides(), swap_axles()};
@@ -632,7 +645,7 @@ void CarPosterior::add_road_slopes(const System& of, const SpectralMoments& spee
   const std::vector<Eigen::ArrayXd> by = curve_by(speed);
   for (int c = 0; c < kCurves; ++c)
     for (int b = 0; b < kShape; ++b)
-      gradient(known_ + c * kShape + b) +=
+      gradient(curves_of(on.road) + c * kShape + b) +=
           scale_of_curve(c) * (by_curve.col(c).array() * by[static_cast<std::size_t>(b)]).sum();
 }
 
@@ -683,7 +696,7 @@ MatrixXd CarPosterior::information(const VectorXd& v) const {
   for (Index a = 0; a < known_; ++a) rows_by.push_back(equations_by(v, of.equations, a));
   MatrixXd information = MatrixXd::Zero(size_, size_);
   add_body_information(of, rows_by, information);
-  for (const SpectralMoments* speed : speeds_) add_road_information(of, v, *speed, rows_by, information);
+  for (const SpeedOnRoad& speed : speeds_) add_road_information(of, v, speed, rows_by, information);
   add_prior_information(information);
   return information.selfadjointView<Eigen::Lower>();
 }
@@ -711,9 +724,10 @@ void CarPosterior::add_body_information(const System& of, const std::vector<Matr
 }
 
 /// Gaussian with E[u u^H] = phi L; what could as well be a change of L is taken off.
-void CarPosterior::add_road_information(const System& of, const VectorXd& v, const SpectralMoments& speed,
+void CarPosterior::add_road_information(const System& of, const VectorXd& v, const SpeedOnRoad& on,
                                         const std::vector<MatrixXd>& rows_by, MatrixXd& information) const {
-  const Roads roads = this->roads(of, v, speed);
+  const SpectralMoments& speed = *on.spectra;
+  const Roads roads = this->roads(of, v, on);
   if (roads.count <= 0.0) return;
   const std::vector<Eigen::ArrayXd> by = curve_by(speed);
   const std::array<Eigen::Matrix4d, 2> swap{swap_sides(), swap_axles()};
@@ -721,7 +735,9 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
   const Eigen::Matrix4d upward = lower.inverse();
   // Real rows of L^-1/2 S L^-T/2, so that their products are traces.
   constexpr Index kEach = 32;
-  MatrixXd signal(size_, kEach * std::ssize(roads.bins)), means = MatrixXd::Zero(size_, kEach / 2);
+  constexpr Index kOwn = kCurves * kShape;  // unknowns of this road
+  const Index each = known_ + kOwn;
+  MatrixXd signal(each, kEach * std::ssize(roads.bins)), means = MatrixXd::Zero(each, kEach / 2);
   for (std::size_t at = 0; at < roads.bins.size(); ++at) {
     const Index k = roads.bins[at];
     const double weight = speed.count(k);
@@ -749,14 +765,17 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
         put(known_ + c * kShape + b, scale_of_curve(c) * by[static_cast<std::size_t>(b)](k) * change);
     }
   }
-  information.triangularView<Eigen::Lower>() +=
-      signal * signal.transpose() - means * means.transpose() / roads.count;
+  const MatrixXd all = signal * signal.transpose() - means * means.transpose() / roads.count;
+  const Index curves = curves_of(on.road);
+  information.topLeftCorner(known_, known_) += all.topLeftCorner(known_, known_);
+  information.block(curves, 0, kOwn, known_) += all.bottomLeftCorner(kOwn, known_);
+  information.block(curves, curves, kOwn, kOwn) += all.bottomRightCorner(kOwn, kOwn);
 }
 
 void CarPosterior::add_prior_information(MatrixXd& information) const {
   information.diagonal().head(known_).array() += 1.0;
   static const MatrixXd kDifferences = second_differences();
-  for (int c = 0; c < kCurves; ++c) {
+  for (int c = 0; c < roads_ * kCurves; ++c) {
     const Index at = known_ + c * kShape;
     information(at, at) += 1.0;
     information.block(at + 1, at + 1, kShape - 1, kShape - 1) += kDifferences.transpose() * kDifferences;

@@ -34,7 +34,20 @@ struct CarPrior {
   static CarPrior of(const VehicleConfig& vehicle);
 };
 
-/// The posterior of a car, its sensors and the shape of the road, by the spectra of a drive.
+/// A quantity of car or sensors that CarPosterior does not know exactly.
+struct UncertainQuantity {
+  enum class Kind { kParameter, kGain, kFriction, kRebound, kStruts };
+  Kind kind;
+  Eigen::Index index;  ///< parameter, channel or wheel
+};
+
+/// A speed, and the road it was driven on.
+struct SpeedOnRoad {
+  const SpectralMoments* spectra;
+  int road = 0;  ///< roads are numbered from 0
+};
+
+/// The posterior of a car, its sensors and the shape of the road, by the spectra of a drive, or of several.
 ///
 /// Motion are the spectra's rows: accelerations, velocities and displacements of m channels, and
 /// kStrutSignals, which enter the rows of (1) as forces of the struts, F_i tanh(v / v0) + b_i ds_i |v|.
@@ -46,9 +59,9 @@ struct CarPrior {
 ///     u_i = z_i + F_i / c_i,   c_i = ct_i + j om dt_i.
 ///
 /// The road is Gaussian.  W diag(phi)^-1/2 u has the covariance L_s, real and free for each speed s; phi_i(n)
-/// is the shape of wheel i's side, and W(n) = exp(t X + r Y) lets the coherence of the sides (X swaps left
-/// and right) and of the axles (Y: front and rear) change.  All are free but smooth in the logarithm of the
-/// wave number n = om / (2 pi V):
+/// is the shape of wheel i's side, one for each road, and W(n) = exp(t X + r Y) lets the coherence of the
+/// sides (X swaps left and right) and of the axles (Y: front and rear) change.  All are free but smooth in
+/// the logarithm of the wave number n = om / (2 pi V):
 ///
 ///     log phi = -(2 + a) log(n / 0.6) - log(1 + (n / 4)^2) + b(log n),    t, r = -a log(n / 0.6) + b(log n),
 ///
@@ -66,22 +79,25 @@ struct CarPrior {
 /// R R^H and the determinant: errors in variables, W. A. Fuller, Measurement Error Models, Wiley 1987, ch. 3.
 class CarPosterior {
  public:
-  /// @param speeds  moments of each speed, of the same bins; they outlive this
-  CarPosterior(const CarPrior& prior, std::vector<const SpectralMoments*> speeds);
+  /// @param speeds  at least one, of the same bins; they outlive this
+  CarPosterior(const CarPrior& prior, std::vector<SpeedOnRoad> speeds);
 
   /// Unknowns: each of the car's parameters, then each gain, then friction and rebound of each strut, that is
   /// not known exactly, x in standard
-  /// deviations of its prior (value e^(sigma x), of tyre dampers value + sigma x); then of the shape of the
-  /// left side, of the right one, and of the mixing of sides and of axles, a and b at its inner knots.
+  /// deviations of its prior (value e^(sigma x), of tyre dampers value + sigma x); then for each road of the
+  /// shape of the left side, of the right one, and of the mixing of sides and of axles, a and b at its inner
+  /// knots.
   Eigen::Index size() const { return size_; }
   ParameterVector parameters(const Eigen::VectorXd& v) const;
   Eigen::VectorXd gains(const Eigen::VectorXd& v) const;
   /// Place of a parameter of the car among the unknowns; -1: it is known exactly.
   Eigen::Index place(int parameter) const { return place_.at(static_cast<std::size_t>(parameter)); }
 
-  Eigen::Index place_of_gain(Eigen::Index channel) const;
+  /// [unknown of car and sensors]
+  std::vector<UncertainQuantity> quantities() const;
   Eigen::Vector4d friction_n(const Eigen::VectorXd& v) const;
   Eigen::Vector4d rebound(const Eigen::VectorXd& v) const;  ///< share that a damper has more in rebound
+  double strut_factor(const Eigen::VectorXd& v) const;      ///< of their forces in the wheels' rows
   /// Rows of (1) of the four wheels, tyres included, on accelerations, velocities and displacements of the
   /// channels and the struts' signals [4 x motion]: what they leave is the unbalances' force and ct_i + j om
   /// dt_i times the road.
@@ -106,23 +122,22 @@ class CarPosterior {
   struct Roads;
   struct Slopes;
   void linearise_struts();
-  double strut_scale(const Eigen::VectorXd& v) const;
   Eigen::Block<Eigen::MatrixXd> strut_rows(Eigen::MatrixXd& rows) const;
   Eigen::MatrixXd strut_columns(const Eigen::Vector4d& force) const;
   Eigen::MatrixXcd integrals(double omega) const;
   Equations equations(const Eigen::VectorXd& v) const;
   Eigen::MatrixXd equations_by(const Eigen::VectorXd& v, const Equations& of, Eigen::Index unknown) const;
   System system(const Eigen::VectorXd& v) const;
-  Eigen::MatrixXd curves(const Eigen::VectorXd& v, const SpectralMoments& speed) const;
+  Eigen::MatrixXd curves(const Eigen::VectorXd& v, const SpeedOnRoad& speed) const;
   std::vector<Eigen::ArrayXd> curve_by(const SpectralMoments& speed) const;
   std::vector<Band> bands(const System& of) const;
-  Roads roads(const System& of, const Eigen::VectorXd& v, const SpectralMoments& speed) const;
+  Roads roads(const System& of, const Eigen::VectorXd& v, const SpeedOnRoad& speed) const;
 
   double evaluate(const Eigen::VectorXd& v, Eigen::VectorXd* gradient) const;
   double body_value(const System& of, Slopes* slopes) const;
-  double road_value(const System& of, const Eigen::VectorXd& v, const SpectralMoments& speed, Slopes* slopes,
+  double road_value(const System& of, const Eigen::VectorXd& v, const SpeedOnRoad& speed, Slopes* slopes,
                     Eigen::VectorXd* gradient) const;
-  void add_road_slopes(const System& of, const SpectralMoments& speed, const Roads& roads, Slopes& slopes,
+  void add_road_slopes(const System& of, const SpeedOnRoad& speed, const Roads& roads, Slopes& slopes,
                        Eigen::VectorXd& gradient) const;
   void add_slopes(const System& of, const Eigen::VectorXd& v, const Slopes& slopes,
                   Eigen::VectorXd& gradient) const;
@@ -132,15 +147,17 @@ class CarPosterior {
                            Eigen::Index unknown) const;
   void add_body_information(const System& of, const std::vector<Eigen::MatrixXd>& rows_by,
                             Eigen::MatrixXd& information) const;
-  void add_road_information(const System& of, const Eigen::VectorXd& v, const SpectralMoments& speed,
+  void add_road_information(const System& of, const Eigen::VectorXd& v, const SpeedOnRoad& speed,
                             const std::vector<Eigen::MatrixXd>& rows_by, Eigen::MatrixXd& information) const;
   void add_prior_information(Eigen::MatrixXd& information) const;
   bool is_of_body(Eigen::Index bin) const;
   bool is_of_road(Eigen::Index bin) const;
-  double omega(Eigen::Index bin) const { return speeds_.front()->omega(bin); }
+  double omega(Eigen::Index bin) const { return speeds_.front().spectra->omega(bin); }
+  Eigen::Index curves_of(int road) const;
 
   CarPrior prior_;
-  std::vector<const SpectralMoments*> speeds_;
+  std::vector<SpeedOnRoad> speeds_;
+  int roads_ = 0;
   std::vector<Eigen::MatrixXcd> same_;  ///< of all speeds, in the bins of the body
   Eigen::ArrayXd count_;                ///< of all speeds
   Eigen::Index channels_, motion_, bins_, residuals_, known_, size_;

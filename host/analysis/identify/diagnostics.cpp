@@ -58,12 +58,27 @@ std::string separating_speeds(double greatest_m_s) {
                 kRound_km_h * std::ceil(3.6 * greatest_m_s / kSeparatingShare / kRound_km_h));
 }
 
+/// The two answers of each wheel.
+void tell_forces(const std::array<Balance, kWheels>& balance, std::vector<std::string>& sentences) {
+  std::string wheels;
+  for (const Balance& wheel : balance)
+    if (wheel.state == Unknown::kNone && wheel.force_state != ForceState::kNotJudged)
+      wheels += format("%s %s %.1f ± %.1f g and %.0f ± %.0f N", wheels.empty() ? "" : ",",
+                       kWheelNames[static_cast<std::size_t>(wheel.wheel)], wheel.alone_g, wheel.sigma_alone_g,
+                       wheel.force_n, wheel.sigma_force_n);
+  if (!wheels.empty())
+    sentences.push_back(
+        "the grams are the correction, which leaves the least force at the speeds driven; of it, unbalance "
+        "alone and tyre's force:" +
+        wheels);
+}
+
 void remark_on_forces(const std::array<Balance, kWheels>& balance, std::vector<std::string>& sentences) {
   for (const Balance& wheel : balance) {
     if (wheel.state != Unknown::kNone || wheel.force_state != ForceState::kNotSeparable) continue;
     sentences.push_back(
-        format("not separable: %.0f–%.0f km/h do not tell an unbalance from a tyre's force variation, which "
-               "does not grow with speed; the grams do at these speeds what both do together. Drive once "
+        format("not separable: %.0f–%.0f km/h hardly tell an unbalance from a tyre's force variation, which "
+               "does not grow with speed; the ± of both take its usual size for known. Drive once "
                "more as long as this ",
                3.6 * wheel.least_speed_m_s, 3.6 * wheel.greatest_speed_m_s) +
         separating_speeds(wheel.greatest_speed_m_s));
@@ -96,6 +111,7 @@ std::vector<std::string> diagnostics(const Identification& identification,
         "drive shows an error that all masses, or all gains, share");
     remark_on_masses(identification, sentences);
   }
+  tell_forces(balance, sentences);
   remark_on_forces(balance, sentences);
   sentences.emplace_back(
       "static unbalance only: couple unbalance, which shakes the steering, leaves no trace in vertical "

@@ -4,13 +4,23 @@
 
 #include "common/config/section.hpp"
 #include "common/vehicle/sensor_map.hpp"
-#include "host/analysis/identify/refusal.hpp"
 
 namespace roadbalance {
 namespace {
 
 /// An hour of driving that does not determine the car is not kept to be weighed anew.
 constexpr std::size_t kMostEarly = 400;
+
+/// Near enough to vehicle.toml to weigh sections by; stabilisers may truly be weak.
+bool plausible(const UnknownVector& x, const Priors& priors) {
+  constexpr double kFactor = 2.0;
+  for (int p = 0; p < kEstimatedUnbalance; ++p) {
+    const double ratio = x(p) / priors.value(kSpring + p);
+    const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;
+    if (!stabiliser && !(ratio > 1.0 / kFactor && ratio < kFactor)) return false;
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -19,7 +29,9 @@ DriveEstimator::DriveEstimator(const VehicleConfig& vehicle)
       report_(vehicle),
       classes_(vehicle.drive.speed_class_m_s),
       sections_(
-          vehicle_, [this](const DrivenSection& section) { add_section(section); }, report_.body_only()) {
+          vehicle_, [this](const DrivenSection& section) { add_section(section); },
+          report_.prior() ? report_.prior()->sensors : Eigen::MatrixXd()) {
+  if (report_.prior()) posterior_.emplace(*report_.prior(), vehicle.drive.speed_class_m_s);
   try {
     decimator_.emplace(decimation_factor(vehicle_),
                        [this](const IdentificationSample& sample) { add_sample(sample); });
@@ -84,7 +96,11 @@ void DriveEstimator::note_news() {
 }
 
 const DriveEstimate& DriveEstimator::estimate() {
-  if (std::exchange(stale_, false)) report_.draw(classes_so_far(), sections_.phase_drift(), news_ns_);
+  if (std::exchange(stale_, false)) {
+    const auto running = sections_.running();
+    car_ = posterior_ ? posterior_->solve(running) : std::nullopt;
+    report_.draw(classes_so_far(running), car_, sections_.phase_drift(), news_ns_);
+  }
   return report_.estimate();
 }
 
@@ -97,7 +113,11 @@ void DriveEstimator::report_unknown(Unknown state) {
 
 void DriveEstimator::add_section(const DrivenSection& section) {
   classes_.add(section);
-  if (!weights_known_ && early_.size() < kMostEarly) early_.push_back(section);
+  if (posterior_) posterior_->add(section);
+  if (!weights_known_ && early_.size() < kMostEarly) {
+    early_.push_back(section);
+    early_.back().spectra = {};
+  }
   note_news();
   learn_weights();
 }
@@ -107,7 +127,7 @@ void DriveEstimator::learn_weights() {
   const Priors& priors = report_.priors();
   if (report_.body_only() || classes_.sections() < kLeastSections) return;
   const auto x = solve(classes_.total(), priors.geometry, priors.value);
-  if (!x || implausible(*x, priors)) return;
+  if (!x || !plausible(*x, priors)) return;
   ParameterVector parameters = priors.value;
   parameters.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();
   sections_.set_parameters(parameters);
@@ -122,20 +142,26 @@ void DriveEstimator::weigh_early_sections() {
       sections_.weigh_anew(section);
       classes_.add(section);
     }
+    if (posterior_) posterior_->replace_lines(early_);
   }
   early_.clear();
 }
 
 /// With the section that is still being driven.
-SpeedClasses DriveEstimator::classes_so_far() {
+SpeedClasses DriveEstimator::classes_so_far(const std::optional<DrivenSection>& running) const {
   SpeedClasses all = classes_;
-  if (const auto running = sections_.running()) all.add(*running);
+  if (running) all.add(*running);
   return all;
 }
 
 DriveSums DriveEstimator::sums() {
   DriveSums sums(vehicle_.drive.speed_class_m_s);
-  sums.classes = classes_so_far();
+  const auto running = sections_.running();
+  sums.classes = classes_so_far(running);
+  if (posterior_) {
+    sums.posterior = posterior_->sums();
+    if (running) sums.posterior.add(*running, vehicle_.drive.speed_class_m_s);
+  }
   sums.drift = sections_.phase_drift();
   sums.time_ns = time_ns_;
   sums.state = sums.classes.empty() ? report_.estimate().identification.state : Unknown::kNone;

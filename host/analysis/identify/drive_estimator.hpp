@@ -8,6 +8,7 @@
 #include "common/config/vehicle_config.hpp"
 #include "host/analysis/identify/assemble.hpp"
 #include "host/analysis/identify/decimate.hpp"
+#include "host/analysis/identify/drive_posterior.hpp"
 #include "host/analysis/identify/drive_sums.hpp"
 #include "host/analysis/identify/estimate_report.hpp"
 #include "host/analysis/identify/section.hpp"
@@ -43,8 +44,13 @@ class DriveEstimator {
   /// A sentence for each channel that is clipped: sections in which it was are not used.
   std::vector<std::string> clipped() const;
 
+  /// Sentences on what the newest estimate shows of car and sensors beyond vehicle.toml.
+  const std::vector<std::string>& remarks() const { return report_.remarks(); }
+
   /// The newest estimate; its states give what is not known yet and why.  Computed when asked for.
   const DriveEstimate& estimate();
+  /// The car of the newest estimate; nothing: none was found, or it is from the body alone.
+  const std::optional<PosteriorCar>& car() const { return car_; }
   /// Forces at each class of speed by the newest estimate; empty where it gives no balance, or none but from
   /// the body alone.
   const DriveForces& forces() const { return report_.forces(); }
@@ -60,15 +66,17 @@ class DriveEstimator {
   void note_news();
   void learn_weights();
   void weigh_early_sections();
-  SpeedClasses classes_so_far();
+  SpeedClasses classes_so_far(const std::optional<DrivenSection>& running) const;
 
   VehicleConfig vehicle_;
   EstimateReport report_;
   SpeedClasses classes_;
-  std::vector<DrivenSection> early_;  ///< of classes_, while the car is as vehicle.toml has it
+  std::optional<DrivePosterior> posterior_;  ///< none: from the body alone
+  std::vector<DrivenSection> early_;         ///< of classes_, while the car is as vehicle.toml has it
   bool weights_known_ = false;
   std::int64_t time_ns_ = 0, news_ns_ = 0;
   std::int64_t version_ = 0;
+  std::optional<PosteriorCar> car_;
   bool stale_ = false;  ///< report_ is older than the sums
   SectionBuilder sections_;
   std::optional<Decimator> decimator_;

@@ -57,6 +57,65 @@ void one_class(Archive& archive, SpeedClasses::Class& each) {
   moments(archive, each.total);
 }
 
+/// Of any size.
+template <typename Archive, typename Scalar, int Rows, int Columns>
+void resized(Archive& archive, Eigen::Matrix<Scalar, Rows, Columns>& m) {
+  auto rows = static_cast<std::uint64_t>(m.rows()), columns = static_cast<std::uint64_t>(m.cols());
+  archive(rows);
+  archive(columns);
+  if (rows > archive.most(sizeof(Scalar)) || columns > archive.most(sizeof(Scalar)) ||
+      rows * columns > archive.most(sizeof(Scalar)))
+    throw std::length_error("too short");
+  m.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+  matrix(archive, m);
+}
+
+template <typename Archive>
+void resized(Archive& archive, Eigen::ArrayXd& values) {
+  Eigen::VectorXd all = values;
+  resized(archive, all);
+  values = all;
+}
+
+template <typename Archive>
+void spectra(Archive& archive, SpectralMoments& m) {
+  resized(archive, m.frequency_hz);
+  resized(archive, m.count);
+  archive(m.segments);
+  archive(m.delay_seconds);
+  for (SpectralMoments::Spectra* const each : {&m.same, &m.delayed}) {
+    std::uint64_t bins = each->size();
+    archive(bins);
+    if (bins > archive.most(sizeof(double))) throw std::length_error("too short");
+    each->resize(bins);
+    for (Eigen::MatrixXcd& bin : *each) resized(archive, bin);
+  }
+}
+
+template <typename Archive>
+void lines(Archive& archive, LineMoments& m) {
+  matrix(archive, m.normal);
+  for (Eigen::MatrixXcd& right : m.right) resized(archive, right);
+  archive(m.seconds);
+  matrix(archive, m.turned_rad);
+}
+
+template <typename Archive>
+void posterior(Archive& archive, PosteriorSums& sums) {
+  std::uint64_t count = sums.speed.size();
+  archive(count);
+  auto next = sums.speed.begin();
+  for (std::uint64_t k = 0; k < count; ++k) {
+    int speed = next == sums.speed.end() ? 0 : next->first;
+    archive(speed);
+    PosteriorSums::Speed& at = sums.speed[speed];
+    spectra(archive, at.spectra);
+    lines(archive, at.lines);
+    if (next != sums.speed.end()) ++next;
+  }
+  archive(sums.cut_s);
+}
+
 template <typename Archive>
 void drift(Archive& archive, PhaseDrift& seen) {
   for (auto& row : seen.seen)
@@ -70,6 +129,7 @@ void drift(Archive& archive, PhaseDrift& seen) {
 
 template <typename Archive>
 void rest(Archive& archive, DriveSums& sums) {
+  posterior(archive, sums.posterior);
   drift(archive, sums.drift);
   archive(sums.time_ns);
   archive(sums.state);

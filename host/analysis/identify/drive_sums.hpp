@@ -9,6 +9,7 @@
 
 #include "common/bus/results.hpp"
 #include "host/analysis/identify/phase_drift.hpp"
+#include "host/analysis/identify/posterior_sums.hpp"
 #include "host/analysis/identify/speed_classes.hpp"
 
 namespace roadbalance {
@@ -16,6 +17,7 @@ namespace roadbalance {
 /// One drive's contribution to an estimate from many.
 struct DriveSums {
   SpeedClasses classes;
+  PosteriorSums posterior;
   PhaseDrift drift;
   std::int64_t time_ns = 0;
   /// Why there are no sections, and what stands in the way besides; kNone: there are some.

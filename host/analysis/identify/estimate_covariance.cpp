@@ -277,6 +277,7 @@ std::optional<EstimateCovariance> estimate_covariance(const SpeedClasses& drive,
   const double equal = equal_groups(groups);
   const double widen = few_groups_factor(equal);
   EstimateCovariance result;
+  result.drives_widening = between.widening.head<kUnknowns>();
   result.drive = widen * covariance.topLeftCorner<kUnknowns, kUnknowns>();
   result.model.setZero();
   for (int w = 0; w < kWheels; ++w)

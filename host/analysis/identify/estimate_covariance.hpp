@@ -27,6 +27,8 @@ struct EstimateCovariance {
   double mass_share = 0.0, sigma_mass_share = 0.0;
   /// By how much the drives' variance of each wheel's unbalance is that of their sections; 1: a single drive.
   std::array<double, kWheels> drives_ratio{1.0, 1.0, 1.0, 1.0};
+  /// Factor of each unknown's variance for that.
+  UnknownVector drives_widening = UnknownVector::Ones();
   /// Unbalance and speed-independent force of each wheel; sigmas by what the drive scatters.
   std::array<FirstOrderFit, kWheels> first_order{};
 };

@@ -19,13 +19,17 @@
 namespace roadbalance {
 namespace {
 
-/// True if the sensors show the body's motion but not every wheel's.
-bool shows_body_only(const VehicleConfig& vehicle) {
+/// Nothing: the sensors do not show every wheel's motion.
+std::optional<CarPrior> prior_of_car(const VehicleConfig& vehicle) {
   try {
-    SensorMap::from(vehicle);
-    return false;
+    return CarPrior::of(vehicle);
   } catch (const ConfigError&) {
+    return std::nullopt;
   }
+}
+
+/// True if the sensors show the body's motion.
+bool shows_body(const VehicleConfig& vehicle) {
   try {
     SensorMap::of_body(vehicle);
     return true;
@@ -57,7 +61,8 @@ std::string in_step_sentence(const PhaseDrift& drift) {
 EstimateReport::EstimateReport(const VehicleConfig& vehicle)
     : vehicle_(vehicle),
       priors_(Priors::of(vehicle)),
-      body_only_(shows_body_only(vehicle)),
+      prior_(prior_of_car(vehicle)),
+      body_only_(!prior_ && shows_body(vehicle)),
       of_vehicle_(why_no_angle(vehicle)) {
   if (body_only_)
     of_vehicle_ +=
@@ -82,23 +87,33 @@ std::string EstimateReport::refusal(const PhaseDrift& drift) const {
   return of_vehicle_ + (of_vehicle_.empty() || refused.empty() ? "" : "; ") + refused;
 }
 
-void EstimateReport::draw(const SpeedClasses& drive, const PhaseDrift& drift, std::int64_t time_ns,
-                          const DriveGroups& drives) {
+void EstimateReport::draw(const SpeedClasses& drive, const std::optional<PosteriorCar>& car,
+                          const PhaseDrift& drift, std::int64_t time_ns, const DriveGroups& drives) {
   if (drive.empty()) return;
   describe(drive, drift, time_ns);
+  if (drive.total().sections < kLeastSections) return unknown(Unknown::kTooShort);
+  if (body_only_) return draw_body(drive, drift, drives);
+  refusal_ = roadbalance::refusal(car, *prior_, vehicle_);
+  remarks_ = remarks_on_deviations(car, *prior_, vehicle_);
+  if (!refusal_.empty()) return unknown(Unknown::kIllConditioned);
+  UnknownVector widened = UnknownVector::Ones();
+  if (drives.size() > 1)
+    if (const auto covariance = estimate_covariance(drive, priors_, drives)) {
+      drives_ratio_ = covariance->drives_ratio;
+      widened = covariance->drives_widening;
+    }
+  publish(*car, widened);
+  forces_ = drive_forces(drive.totals(), car->unknowns(), priors_);
+}
+
+void EstimateReport::draw_body(const SpeedClasses& drive, const PhaseDrift& drift,
+                               const DriveGroups& drives) {
   const DriveMoments total = drive.total();
-  if (total.sections < kLeastSections) return unknown(Unknown::kTooShort);
   const auto x = solve(total, priors_.geometry, priors_.value);
   const auto covariance = x ? estimate_covariance(drive, priors_, drives) : std::nullopt;
-  if (!body_only_) refusal_ = roadbalance::refusal(x, covariance, priors_);
-  estimate_.identification.condition = covariance ? covariance->suspension.condition : 0.0;
-  if (!covariance || !refusal_.empty()) return unknown(Unknown::kIllConditioned);
-  publish(*x, *covariance, drift);
+  if (!covariance) return unknown(Unknown::kIllConditioned);
+  publish_body(*x, *covariance, drift);
   drives_ratio_ = covariance->drives_ratio;
-  if (!body_only_) {
-    forces_ = drive_forces(drive.totals(), *x, priors_);
-    return;
-  }
   estimate_.identification.state = Unknown::kUnfitVehicle;
   add_variance_of_parameters(total);
 }
@@ -139,19 +154,31 @@ void EstimateReport::unknown(Unknown state) {
   }
 }
 
-void EstimateReport::publish(const UnknownVector& x, const EstimateCovariance& covariance,
-                             const PhaseDrift& drift) {
+void EstimateReport::publish(const PosteriorCar& car, const UnknownVector& widened) {
   unknown(Unknown::kNone);
-  publish_balances(x, covariance, drift);
-  if (body_only_) return;
-  put_suspension(x, covariance.drive + covariance.model, estimate_.identification);
-  put_covariance(covariance, estimate_.identification);
+  UnknownVector sigma = widened.cwiseSqrt();
+  sigma.head<kEstimatedUnbalance>().array() *= car.sigma.segment<kEstimatedUnbalance>(kSpring).array();
+  put_suspension(car.unknowns(), sigma, estimate_.identification);
+  for (std::size_t w = 0; w < kWheels; ++w) {
+    Balance& balance = estimate_.balance[w];
+    const WheelFirstOrder& wheel = car.wheel[w];
+    if (balance.state == Unknown::kNone && !std::isfinite(std::abs(wheel.correction_kg_m)))
+      balance.state = Unknown::kNoReference;
+    if (balance.state != Unknown::kNone) continue;
+    const double factor = widened(kEstimatedUnbalance + 2 * static_cast<Eigen::Index>(w));
+    const Eigen::Vector2d correction(wheel.correction_kg_m.real(), wheel.correction_kg_m.imag());
+    put_unbalance(correction, factor * wheel.heard_covariance, balance);
+    balance.sigma_drive_g = balance.sigma_g;
+    put_unbalance(correction, factor * wheel.correction_covariance, balance);
+    put_first_order(wheel, factor, balance);
+    add_variance_of_datum(balance);
+  }
 }
 
-void EstimateReport::publish_balances(const UnknownVector& x, const EstimateCovariance& covariance,
-                                      const PhaseDrift& drift) {
-  std::array<std::optional<int>, kWheels> with;
-  if (body_only_) with = in_step(drift);
+void EstimateReport::publish_body(const UnknownVector& x, const EstimateCovariance& covariance,
+                                  const PhaseDrift& drift) {
+  unknown(Unknown::kNone);
+  const std::array<std::optional<int>, kWheels> with = in_step(drift);
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
     Balance& balance = estimate_.balance[w];
@@ -165,12 +192,17 @@ void EstimateReport::publish_balances(const UnknownVector& x, const EstimateCova
     put_unbalance(unbalance, covariance.drive.block<2, 2>(u, u), balance);
     balance.sigma_drive_g = balance.sigma_g;
     put_unbalance(unbalance, (covariance.drive + covariance.model).block<2, 2>(u, u), balance);
-    if (!body_only_) put_first_order(covariance.first_order[w], balance);
-    // No scatter of a drive shows where its zero marks are thought to be, nor how true its sensors are.
-    const double datum_sigma_rad = vehicle_.wheel[w].encoder.datum_sigma_rad;
+    // No scatter of a drive shows how true its sensors are.
     const double gain = gain_variance(vehicle_, w);
-    add_variance(balance, gain, datum_sigma_rad * datum_sigma_rad + gain);
+    add_variance(balance, gain, gain);
+    add_variance_of_datum(balance);
   }
+}
+
+/// No drive shows where a wheel's zero mark is thought to be.
+void EstimateReport::add_variance_of_datum(Balance& balance) const {
+  const double sigma_rad = vehicle_.wheel[static_cast<std::size_t>(balance.wheel)].encoder.datum_sigma_rad;
+  add_variance(balance, 0.0, sigma_rad * sigma_rad);
 }
 
 void EstimateReport::add_variance_of_parameters(const DriveMoments& drive) {

@@ -5,21 +5,13 @@
 #include "common/types/angle_units.hpp"
 
 namespace roadbalance {
-namespace {
-
-/// Segments this share of their length apart use 99.9 % of what a record holds; half apart, 95 %.
-constexpr double kHop = 0.375;
-/// Independent bins in a bin of one segment: one over the sum of the squared correlations of bins.
-constexpr double kAlone = 18.0 / 35.0;
-
-}  // namespace
 
 HannSegments HannSegments::over(Eigen::Index samples, Eigen::Index size) {
   HannSegments segments;
   if (samples < size) return segments;
   const auto room = static_cast<double>(samples - size);
-  const double hops = std::ceil(room / (kHop * static_cast<double>(size)));
-  segments.weight = (kAlone + room / static_cast<double>(size)) / (hops + 1.0);
+  const double hops = std::ceil(room / (kHannHop * static_cast<double>(size)));
+  segments.weight = (kHannAlone + room / static_cast<double>(size)) / (hops + 1.0);
   for (double h = 0.0; h <= hops; h += 1.0)
     segments.begin.push_back(hops == 0.0 ? 0 : std::lround(h * room / hops));
   return segments;

@@ -51,6 +51,14 @@ Eigen::Matrix4cd RoadSpectrum::forces(const LinearModel& model) const {
   return R.cast<Complex>() * sum * R.cast<Complex>().transpose();
 }
 
+RoadSpectrum HarmonicReading::density() const {
+  return {road.sum * effective_s, road.bins};
+}
+
+RoadSpectrum HarmonicReading::road_of(const RoadSpectrum& density) const {
+  return {density.sum / effective_s, density.bins};
+}
+
 HarmonicReading HarmonicInstrument::read(const Eigen::Ref<const SignalMatrix>& signals,
                                          const Eigen::Vector4d& omega, double speed_m_s) const {
   return read(signals, omega, speed_m_s, Eigen::MatrixXd(0, signals.cols()),
@@ -66,6 +74,7 @@ HarmonicReading HarmonicInstrument::read(const Eigen::Ref<const SignalMatrix>& s
   if (line.wheels.empty()) return reading;
   reading.readings = line.down * readings.transpose().cast<Complex>();
   reading.effective_s = line.effective_s;
+  reading.seconds = quiet.sum() / rate_hz_;
   const Eigen::MatrixXcd Z = demodulator_.beside(signals, line);  // [side bin x coordinate]
   const Eigen::VectorXd& side_hz = demodulator_.side_hz();
   Eigen::Matrix<Complex, RoadSpectrum::kRows, Eigen::Dynamic> w(RoadSpectrum::kRows, side_hz.size());

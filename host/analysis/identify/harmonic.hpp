@@ -58,6 +58,12 @@ struct HarmonicReading {
   RoadSpectrum road;
   Eigen::MatrixXcd readings{};  ///< [reference x channel] phasors of what else was given
   double effective_s = 0.0;     ///< Demodulated's
+  double seconds = 0.0;         ///< quiet ones
+
+  /// `road` for one second of even window: what sections of any length and window share.
+  RoadSpectrum density() const;
+  /// What this section's window makes of such a density.
+  RoadSpectrum road_of(const RoadSpectrum& density) const;
 };
 
 /// Unbalance by windowed demodulation, with the road cancelled as far as the wheels share it.
@@ -97,7 +103,9 @@ HarmonicMoments harmonic_moments(const SectionLines& lines, const Geometry& geom
 class HarmonicInstrument {
  public:
   HarmonicInstrument(const Geometry& geometry, Taper taper, double rate_hz)
-      : wheelbase_m_(geometry.x_m[0] - geometry.x_m[2]), demodulator_(std::move(taper), rate_hz) {}
+      : wheelbase_m_(geometry.x_m[0] - geometry.x_m[2]),
+        rate_hz_(rate_hz),
+        demodulator_(std::move(taper), rate_hz) {}
 
   /// @param signals    [kSignals x samples], a section of steady speed
   /// @param omega      rotation rate of each wheel, rad/s; 0: it has no reference here
@@ -111,7 +119,7 @@ class HarmonicInstrument {
                        const Eigen::Ref<const Eigen::ArrayXd>& quiet) const;
 
  private:
-  double wheelbase_m_;
+  double wheelbase_m_, rate_hz_;
   Demodulator demodulator_;
 };
 

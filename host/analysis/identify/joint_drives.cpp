@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "common/text/format.hpp"
 
 namespace roadbalance {
 namespace {
+
+/// Shapes of the road that many drives have together.
+constexpr std::size_t kMostRoads = 12;
 
 /// Mean square of what the wheels' instruments show; 0: none is there.
 double road_power(const DriveMoments& drive) {
@@ -34,16 +39,26 @@ void JointDrives::add(DriveSums drive) {
   if (const double power = road_power(drive.classes.total()); joining_.by_road && power > 0.0)
     drive.classes.weigh_road(1.0 / power);
   classes_.add(drive.classes);
+  const std::size_t place = added_++ % kMostRoads;
+  if (place == roads_.size()) roads_.emplace_back();
+  roads_[place] += drive.posterior;
   if (joining_.widened) drives_.add(drive.classes);
 }
 
 const DriveEstimate& JointDrives::estimate() {
-  report_.draw(classes_, drift_, time_ns_, drives_);
+  std::optional<PosteriorCar> car;
+  if (report_.prior() && std::ranges::any_of(roads_, &PosteriorSums::has_spectra)) {
+    std::vector<LineMoments> lines;
+    for (const PosteriorSums& road : roads_)
+      for (LineMoments& each : lines_of(road)) lines.push_back(std::move(each));
+    car = SolvedCar(*report_.prior(), roads_).with(lines);
+  }
+  report_.draw(classes_, car, drift_, time_ns_, drives_);
   return report_.estimate();
 }
 
 std::vector<std::string> JointDrives::diagnostics() const {
-  std::vector<std::string> sentences;
+  std::vector<std::string> sentences = report_.remarks();
   if (drives_.size() < 2) return sentences;
   const double most = thousandth(2.0 * static_cast<double>(drives_.size() - 1));
   for (std::size_t w = 0; w < kWheels; ++w)

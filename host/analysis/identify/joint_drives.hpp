@@ -49,6 +49,8 @@ class JointDrives {
   EstimateReport report_;
   SpeedClasses classes_;
   DriveGroups drives_;
+  std::vector<PosteriorSums> roads_;  ///< of drives, dealt out in turn
+  std::size_t added_ = 0;
   PhaseDrift drift_;
   std::int64_t time_ns_ = 0;
   std::array<double, kWheels> common_sigma_rad_{};

@@ -9,8 +9,12 @@
 namespace roadbalance {
 namespace {
 
-double sigma(const UnknownMatrix& covariance, int i) {
-  return std::sqrt(covariance(i, i));
+/// The drive separates a force from an unbalance that it tells three times as well as tyres have it.
+constexpr double kToldForce_n = kRadialForceSigma_n / 3.0;
+
+/// Root of the mean variance of the two components.
+double component_sigma(const Eigen::Matrix2d& covariance) {
+  return std::sqrt(0.5 * covariance.trace());
 }
 
 double positive(double angle_rad) {
@@ -19,29 +23,19 @@ double positive(double angle_rad) {
 
 }  // namespace
 
-void put_suspension(const UnknownVector& x, const UnknownMatrix& covariance, Identification& result) {
+void put_suspension(const UnknownVector& x, const UnknownVector& sigma, Identification& result) {
   for (int i = 0; i < kWheels; ++i) {
     const auto w = static_cast<std::size_t>(i);
     result.spring_n_m[w] = x(kEstimatedSpring + i);
-    result.sigma_spring_n_m[w] = sigma(covariance, kEstimatedSpring + i);
+    result.sigma_spring_n_m[w] = sigma(kEstimatedSpring + i);
     result.damper_n_s_m[w] = x(kEstimatedDamper + i);
-    result.sigma_damper_n_s_m[w] = sigma(covariance, kEstimatedDamper + i);
+    result.sigma_damper_n_s_m[w] = sigma(kEstimatedDamper + i);
     result.tyre_n_m[w] = x(kEstimatedTyre + i);
-    result.sigma_tyre_n_m[w] = sigma(covariance, kEstimatedTyre + i);
+    result.sigma_tyre_n_m[w] = sigma(kEstimatedTyre + i);
   }
   for (int a = 0; a < kAxles; ++a) {
     result.stabiliser_n_m[static_cast<std::size_t>(a)] = x(kEstimatedStabiliser + a);
-    result.sigma_stabiliser_n_m[static_cast<std::size_t>(a)] = sigma(covariance, kEstimatedStabiliser + a);
-  }
-}
-
-void put_covariance(const EstimateCovariance& covariance, Identification& result) {
-  result.condition = covariance.suspension.condition;
-  for (std::size_t k = 0; k < covariance.fit.size(); ++k) {
-    result.misfit[k] = covariance.fit[k].square;
-    result.misfit_chance[k] = covariance.fit[k].chance;
-    result.mass_share[k] = k == 0 ? covariance.mass_share : covariance.fit[k].share;
-    result.sigma_mass_share[k] = k == 0 ? covariance.sigma_mass_share : covariance.fit[k].sigma_share;
+    result.sigma_stabiliser_n_m[static_cast<std::size_t>(a)] = sigma(kEstimatedStabiliser + a);
   }
 }
 
@@ -59,16 +53,16 @@ void put_unbalance(const Eigen::Vector2d& unbalance_kg_m, const Eigen::Matrix2d&
   balance.weight_angle_rad = std::fmod(balance.angle_rad + std::numbers::pi, kTurn);
 }
 
-void put_first_order(const FirstOrderFit& fit, Balance& balance) {
-  balance.force_state = fit.separable ? ForceState::kSeparated : ForceState::kNotSeparable;
-  if (!fit.separable) return;
+void put_first_order(const WheelFirstOrder& wheel, double widened, Balance& balance) {
   const double grams = 1000.0 / balance.weight_radius_m;  // per kg m
-  balance.force_n = std::abs(fit.force_n);
-  balance.force_angle_rad = positive(std::arg(fit.force_n));
-  balance.sigma_force_n = fit.sigma_force_n;
-  balance.alone_g = grams * std::abs(fit.unbalance_kg_m);
-  balance.alone_angle_rad = positive(std::arg(fit.unbalance_kg_m));
-  balance.sigma_alone_g = grams * fit.sigma_unbalance_kg_m;
+  balance.force_n = std::abs(wheel.force_n);
+  balance.force_angle_rad = positive(std::arg(wheel.force_n));
+  balance.sigma_force_n = component_sigma(widened * wheel.force_covariance);
+  balance.alone_g = grams * std::abs(wheel.unbalance_kg_m);
+  balance.alone_angle_rad = positive(std::arg(wheel.unbalance_kg_m));
+  balance.sigma_alone_g = grams * component_sigma(widened * wheel.unbalance_covariance);
+  balance.force_state =
+      balance.sigma_force_n <= kToldForce_n ? ForceState::kSeparated : ForceState::kNotSeparable;
 }
 
 }  // namespace roadbalance

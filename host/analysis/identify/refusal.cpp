@@ -1,71 +1,128 @@
 #include "host/analysis/identify/refusal.hpp"
 
-#include <cstdio>
+#include <algorithm>
+#include <cmath>
+
+#include "common/text/format.hpp"
+#include "common/vehicle/sensor_map.hpp"
 
 namespace roadbalance {
 namespace {
 
-constexpr double kPlausible = 2.0;  ///< factor between an estimate and vehicle.toml
+using Kind = UncertainQuantity::Kind;
 
-/// "rear_left damper", "front stabiliser"
-std::string name_of(int place) {
-  const auto wheel = [&](int first) {
-    return std::string(kWheelNames[static_cast<std::size_t>(place - first)]);
-  };
-  if (place < kEstimatedDamper) return wheel(kEstimatedSpring) + " spring";
-  if (place < kEstimatedStabiliser) return wheel(kEstimatedDamper) + " damper";
-  if (place < kEstimatedTyre)
-    return std::string(place == kEstimatedStabiliser ? "front" : "rear") + " stabiliser";
-  return wheel(kEstimatedTyre) + " tyre";
+constexpr double kGoodFriction_n = 60.0;  ///< of a strut
+
+std::string wheel_name(Eigen::Index wheel) {
+  return kWheelNames[static_cast<std::size_t>(wheel)];
 }
 
-std::string implausible_sentence(int place, double found, double priors) {
-  char text[400];
-  const bool damper = place >= kEstimatedDamper && place < kEstimatedStabiliser;
-  std::snprintf(
-      text, sizeof text,
-      "%s: the drive says %.0f %s and vehicle.toml %.0f, more than a factor of %.0f apart: either "
-      "vehicle.toml has not this car's value, or not its sensors' places, directions and ranges, or "
-      "%s; if none of it, drive on",
-      name_of(place).c_str(), found, damper ? "N s/m" : "N/m", priors, kPlausible,
-      damper ? "the damper is worn or far from linear" : "a part is broken");
-  return text;
+/// "rear_left damper", "front stabiliser", "roll inertia"
+std::string parameter_name(Eigen::Index p) {
+  if (p == kBodyMass) return "body's mass";
+  if (p == kRollInertia) return "roll inertia";
+  if (p == kPitchInertia) return "pitch inertia";
+  if (p < kSpring) return wheel_name(p - kWheelMass) + " mass";
+  if (p < kDamper) return wheel_name(p - kSpring) + " spring";
+  if (p < kStabiliser) return wheel_name(p - kDamper) + " damper";
+  if (p < kTyre) return std::string(p == kStabiliser ? "front" : "rear") + " stabiliser";
+  if (p < kTyreDamper) return wheel_name(p - kTyre) + " tyre";
+  return wheel_name(p - kTyreDamper) + " tyre's damper";
 }
 
-std::string weak_sentence(const SuspensionConditioning& found) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "the drive does not tell springs, dampers and stabilisers apart, the %s least: their "
-                "equations are %.1f "
-                "times as far from leaving one free as they are from being met, %.0f times are needed "
-                "(condition number "
-                "%.0f): drive on, on a rougher road, where left and right wheels meet bumps of their own",
-                name_of(found.weakest).c_str(), found.margin, kLeastMargin, found.condition);
-  return text;
+const char* parameter_unit(Eigen::Index p) {
+  if (p == kRollInertia || p == kPitchInertia) return "kg m²";
+  if (p < kSpring) return "kg";
+  return (p >= kDamper && p < kStabiliser) || p >= kTyreDamper ? "N s/m" : "N/m";
+}
+
+/// "channel 3 (z) of node front"
+std::string channel_name(Eigen::Index input, const VehicleConfig& vehicle) {
+  const SensorMap::Input at = SensorMap::from(vehicle).input[static_cast<std::size_t>(input)];
+  const NodeConfig& node = vehicle.node[static_cast<std::size_t>(at.node)];
+  const ChannelConfig& channel = node.channel[static_cast<std::size_t>(at.channel)];
+  return "channel " + channel.name + " of node " + node.name;
+}
+
+/// What is found, and what vehicle.toml has.
+std::string found_sentence(const Deviation& off, const CarPrior& prior, const VehicleConfig& vehicle) {
+  const Eigen::Index at = off.quantity.index;
+  switch (off.quantity.kind) {
+    case Kind::kParameter: {
+      const double known = prior.value(at);
+      const double sigma = at >= kTyreDamper ? prior.sigma(at) : known * prior.sigma(at);
+      return format("%s: the drive says %.4g ± %.2g %s and vehicle.toml %.4g ± %.2g",
+                    parameter_name(at).c_str(), off.value, off.sigma, parameter_unit(at), known, sigma);
+    }
+    case Kind::kGain:
+      return format("%s: it seems to read %.1f ± %.1f %% too %s, and vehicle.toml has it good to %.1f %%",
+                    channel_name(at, vehicle).c_str(), 100.0 * std::abs(off.value - 1.0), 100.0 * off.sigma,
+                    off.value > 1.0 ? "much" : "little", 100.0 * prior.gain_sigma(at));
+    case Kind::kFriction:
+      return format("%s: its strut seems to have a dry friction of %.0f ± %.0f N", wheel_name(at).c_str(),
+                    off.value, off.sigma);
+    case Kind::kRebound:
+      return format("%s: its damper seems %.0f ± %.0f %% harder in rebound than in the mean",
+                    wheel_name(at).c_str(), 100.0 * off.value, 100.0 * off.sigma);
+    case Kind::kStruts:
+      break;
+  }
+  return format("the struts: their forces on body and wheels differ by a factor of %.2f ± %.2f", off.value,
+                off.sigma);
+}
+
+/// What to do about it.
+const char* advice(Kind kind) {
+  switch (kind) {
+    case Kind::kParameter:
+      return "either vehicle.toml has not this car's value, or not its sensors' places, directions and "
+             "ranges";
+    case Kind::kGain:
+      return "look at its place, direction and range in vehicle.toml and at its mounting, and calibrate it";
+    case Kind::kFriction:
+    case Kind::kRebound:
+      return "look at the strut, and at the places of the sensors above and below it in vehicle.toml";
+    case Kind::kStruts:
+      break;
+  }
+  return "look at the struts' mounts, and at the sensors' places in vehicle.toml";
+}
+
+const Deviation* farthest(const PosteriorCar& car) {
+  const auto found = std::ranges::max_element(
+      car.deviations, {}, [](const Deviation& deviation) { return std::abs(deviation.sigmas); });
+  return found == car.deviations.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
-std::optional<int> implausible(const UnknownVector& x, const Priors& priors) {
-  for (int p = 0; p < kEstimatedUnbalance; ++p) {
-    const double ratio = x(p) / priors.value(kSpring + p);
-    const bool stabiliser = p >= kEstimatedStabiliser && p < kEstimatedTyre;
-    if (!stabiliser && !(ratio > 1.0 / kPlausible && ratio < kPlausible)) return p;
-  }
-  return std::nullopt;
+std::string refusal(const std::optional<PosteriorCar>& car, const CarPrior& prior,
+                    const VehicleConfig& vehicle) {
+  if (!car)
+    return "the drive does not determine the car: drive on a rougher road, where left and right wheels "
+           "meet bumps of their own";
+  const Deviation* const off = farthest(*car);
+  if (!off || std::abs(off->sigmas) < kMostSigmas) return "";
+  return found_sentence(*off, prior, vehicle) +
+         format(", %.0f times as far apart as that allows: ", std::abs(off->sigmas)) +
+         advice(off->quantity.kind) + "; more driving does not mend it";
 }
 
-std::string refusal(const std::optional<UnknownVector>& x,
-                    const std::optional<EstimateCovariance>& covariance, const Priors& priors) {
-  if (!x) return "the drive leaves some spring, damper or stabiliser unmoved: drive on a rougher road";
-  // Scatter of equations that determine nothing is no covariance: this comes first.
-  if (covariance && !(covariance->suspension.margin >= kLeastMargin))
-    return weak_sentence(covariance->suspension);
-  if (const auto place = implausible(*x, priors))
-    return implausible_sentence(*place, (*x)(*place), priors.value(kSpring + *place));
-  if (!covariance)
-    return "without some tenth of it the drive tells nothing, so how sure it is cannot be told: drive on";
-  return "";
+std::vector<std::string> remarks_on_deviations(const std::optional<PosteriorCar>& car, const CarPrior& prior,
+                                               const VehicleConfig& vehicle) {
+  std::vector<std::string> sentences;
+  const Deviation* const off = car ? farthest(*car) : nullptr;
+  if (!off || std::abs(off->sigmas) >= kMostSigmas) return sentences;
+  const bool told = std::abs(off->sigmas) >= kToldSigmas;
+  if (told)
+    sentences.push_back(found_sentence(*off, prior, vehicle) +
+                        "; the estimate goes by what it found: " + advice(off->quantity.kind));
+  for (const Deviation& each : car->deviations)
+    if (!(told && &each == off) && each.quantity.kind == Kind::kFriction && each.value > kGoodFriction_n &&
+        each.value > kToldSigmas * each.sigma)
+      sentences.push_back(found_sentence(each, prior, vehicle) +
+                          ", more than a good one: a bent or dry strut; the estimate goes by it");
+  return sentences;
 }
 
 }  // namespace roadbalance

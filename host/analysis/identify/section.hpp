@@ -10,7 +10,9 @@
 #include "common/config/vehicle_config.hpp"
 #include "host/analysis/identify/body_instrument.hpp"
 #include "host/analysis/identify/decimate.hpp"
+#include "host/analysis/identify/line_moments.hpp"
 #include "host/analysis/identify/moments.hpp"
+#include "host/analysis/identify/motion_buffer.hpp"
 #include "host/analysis/identify/phase_drift.hpp"
 #include "host/analysis/identify/section_buffer.hpp"
 
@@ -18,7 +20,10 @@ namespace roadbalance {
 
 /// The moments of a section, and what its unbalance equations can be weighed anew from.
 struct DrivenSection : DriveMoments {
-  SectionLines lines;
+  HarmonicReading reading;  ///< empty from the body alone
+  LineMoments lines;        ///< of its channels
+  SpectralMoments spectra;  ///< of its channels' motion, what the section before has not; a running one: none
+  double cut_s = 0.0;       ///< that joints and potholes shook
 };
 
 /// Cuts the drive into sections of steady speed and turns each into its moments.
@@ -30,8 +35,9 @@ class SectionBuilder {
  public:
   using Emit = std::function<void(const DrivenSection&)>;
 
-  /// @param body_only  no sensor sits on the wheel carriers: the moments are BodyMoments
-  SectionBuilder(const VehicleConfig& vehicle, Emit emit, bool body_only = false);
+  /// @param sensors  [channel x 7] reading of each vertical channel per unit of z''; no rows: no sensor sits
+  ///                 on some wheel's carrier, and the moments are BodyMoments
+  SectionBuilder(const VehicleConfig& vehicle, Emit emit, const Eigen::MatrixXd& sensors);
   void consume(const IdentificationSample& sample);
 
   /// The section being driven, as far as whole parts go; nothing: too short yet, or a wheel lacks its angle.
@@ -52,13 +58,15 @@ class SectionBuilder {
   void weigh_anew(DrivenSection& section) const;
 
  private:
+  void weigh(DrivenSection& section, const RoadSpectrum& density) const;
   void check_steadiness();
-  void keep(Eigen::Index count);
+  void begin_anew(Eigen::Index count);
   void finish_section();
-  void take(Eigen::Index samples);
+  bool take(Eigen::Index samples);
   Eigen::Index whole_parts(Eigen::Index samples) const;
   std::optional<int> wheel_without_angle(Eigen::Index samples) const;
-  DrivenSection section(Eigen::Index samples);
+  DrivenSection section(Eigen::Index samples, bool with_spectra);
+  DrivenSection section_of_body(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s);
   bool has_reference(int wheel, Eigen::Index first, Eigen::Index count) const;
   std::optional<int> speed_wheel(Eigen::Index first, Eigen::Index count) const;
   double mean_rotation(int wheel, Eigen::Index first, Eigen::Index count) const;
@@ -71,11 +79,11 @@ class SectionBuilder {
   SectionBuffer buffer_;
   const VehicleConfig vehicle_;
   const Geometry geometry_;
-  bool body_only_;
+  std::optional<MotionBuffer> motion_;           ///< none: from the body alone
   std::map<Eigen::Index, BodyInstrument> body_;  ///< in place of the buffer's moments, by samples
   PhaseDrift phase_drift_;
   ParameterVector parameters_;
-  RoadSpectrum road_, newest_road_;  ///< of the sections taken; with that of the newest moments
+  RoadSpectrum road_, newest_road_;  ///< density of the sections taken; with that of the newest moments
   std::int64_t news_ = 0;
   double slow_s_ = 0.0;
   std::optional<int> missing_reference_;

@@ -99,9 +99,10 @@ const SectionBuffer::Window& SectionBuffer::window(Eigen::Index samples) {
       .first->second;
 }
 
-HarmonicReading SectionBuffer::harmonic(Eigen::Index samples, const Eigen::Vector4d& omega,
-                                        double speed_m_s) {
-  return window(samples).harmonic.read(signals_.leftCols(samples), omega, speed_m_s);
+HarmonicReading SectionBuffer::harmonic(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
+                                        const Eigen::Ref<const Eigen::MatrixXd>& readings,
+                                        const Eigen::Ref<const Eigen::ArrayXd>& quiet) {
+  return window(samples).harmonic.read(signals_.leftCols(samples), omega, speed_m_s, readings, quiet);
 }
 
 DriveMoments SectionBuffer::moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s) {

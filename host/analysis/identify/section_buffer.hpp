@@ -65,7 +65,14 @@ class SectionBuffer {
   /// From the first `samples`.
   /// @param omega      rotation rate of each wheel, rad/s; 0: it has no reference here
   /// @param speed_m_s  of the car
-  HarmonicReading harmonic(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s);
+  /// @param readings   [channel x samples] of the same filters
+  /// @param quiet      [sample] 0 where something else than the road shakes the car
+  HarmonicReading harmonic(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s,
+                           const Eigen::Ref<const Eigen::MatrixXd>& readings,
+                           const Eigen::Ref<const Eigen::ArrayXd>& quiet);
+  HarmonicReading harmonic(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s) {
+    return harmonic(samples, omega, speed_m_s, Eigen::MatrixXd(0, samples), Eigen::ArrayXd::Ones(samples));
+  }
   /// All but DriveMoments::harmonic, which harmonic_moments makes of the reading.
   DriveMoments moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s);
   /// From the first `samples`.

@@ -17,6 +17,7 @@ using Eigen::Index;
 
 constexpr double kSpectraFrom_hz = 0.75, kSpectraTo_hz = 40.0;  ///< below the tyre's belt
 constexpr double kSpectraSegment_s = 4.0;
+constexpr double kFinest_hz = 4.0;  ///< up to here a bin is one line of the transform; then wider by octaves
 constexpr double kMotionHighPass_hz = 0.35;
 /// Coefficients of the Butterworth polynomial of third order: s^3 + d2 s^2 + d1 s + d0.
 Eigen::Array3d high_pass() {
@@ -56,61 +57,74 @@ SpectralGatherer::SpectralGatherer(Index channels, double wheelbase_m, double ra
   const std::vector<double> hann = window(Window::kHann, fft_.size());
   window_ = Eigen::Map<const Eigen::ArrayXd>(hann.data(), fft_.size());
   window_ /= std::sqrt(window_.square().sum() * rate_hz);
-}
-
-SpectralMoments SpectralGatherer::moments(const Eigen::Ref<const Eigen::MatrixXd>& motion,
-                                          const Eigen::Ref<const Eigen::ArrayXd>& distance_m,
-                                          const Eigen::Ref<const Eigen::ArrayXd>& quiet,
-                                          const Eigen::Vector4d& omega) {
-  SpectralMoments sum;
-  const Index size = fft_.size();
-  if (motion.cols() < size) return sum;
-  sum.step_hz = rate_hz_ / static_cast<double>(size);
-  sum.first = static_cast<Index>(std::ceil(kSpectraFrom_hz / sum.step_hz - 1e-9));
-  const auto last = static_cast<Index>(std::floor(kSpectraTo_hz / sum.step_hz + 1e-9));
-  const auto bins = static_cast<std::size_t>(last - sum.first + 1);
-  sum.count.setZero(static_cast<Index>(bins));
-  sum.same.assign(bins, Eigen::MatrixXcd::Zero(motion.rows(), motion.rows()));
-  sum.delayed = sum.same;
-  const std::vector<bool> masked = bins_with_lines(bins, sum.first, sum.step_hz, omega);
-  const HannSegments segments = HannSegments::over(motion.cols(), size);
-  for (const Index begin : segments.begin) {
-    if ((quiet.segment(begin, size) == 0.0).any()) continue;
-    const double speed_m_s =
-        (distance_m(begin + size - 1) - distance_m(begin)) * rate_hz_ / static_cast<double>(size - 1);
-    add_segment(sum, motion.middleCols(begin, size), masked, segments.weight, wheelbase_m_ / speed_m_s);
+  const double step_hz = rate_hz / static_cast<double>(fft_.size());
+  first_ = static_cast<Index>(std::ceil(kSpectraFrom_hz / step_hz - 1e-9));
+  const auto last = static_cast<Index>(std::floor(kSpectraTo_hz / step_hz + 1e-9));
+  std::vector<double> sum_hz, lines;
+  double border_hz = 0.0;
+  for (Index line = first_; line <= last; ++line) {
+    const double line_hz = step_hz * static_cast<double>(line);
+    if (line_hz > border_hz * (1.0 + 1e-9)) {
+      const double octaves = std::floor(std::log2(line_hz * (1.0 - 1e-9) / kFinest_hz));
+      const double width_hz = octaves < 0.0 ? step_hz : 2.0 * step_hz * std::exp2(octaves);
+      border_hz = width_hz * std::ceil(line_hz / width_hz - 1e-9);
+      sum_hz.push_back(0.0);
+      lines.push_back(0.0);
+    }
+    bin_.push_back(std::ssize(sum_hz) - 1);
+    sum_hz.back() += line_hz;
+    lines.back() += 1.0;
   }
-  return sum;
+  frequency_hz_ = Eigen::Map<const Eigen::ArrayXd>(sum_hz.data(), std::ssize(sum_hz)) /
+                  Eigen::Map<const Eigen::ArrayXd>(lines.data(), std::ssize(lines));
 }
 
-void SpectralGatherer::add_segment(SpectralMoments& sum, const Eigen::Ref<const Eigen::MatrixXd>& motion,
-                                   const std::vector<bool>& masked, double weight, double delay_s) {
+void SpectralGatherer::add(SpectralMoments& sum, const Eigen::Ref<const Eigen::MatrixXd>& motion,
+                           double weight, const Eigen::Vector4d& omega, double speed_m_s) {
+  if (sum.segments == 0.0) {
+    sum.frequency_hz = frequency_hz_;
+    sum.count.setZero(frequency_hz_.size());
+    sum.same.assign(static_cast<std::size_t>(frequency_hz_.size()),
+                    Eigen::MatrixXcd::Zero(motion.rows(), motion.rows()));
+    sum.delayed = sum.same;
+  }
+  const double step_hz = rate_hz_ / static_cast<double>(fft_.size());
+  const double delay_s = wheelbase_m_ / speed_m_s;
+  const std::vector<bool> masked = bins_with_lines(bin_.size(), first_, step_hz, omega);
+  const Eigen::MatrixXcd x = transformed(motion);
+  for (std::size_t line = 0; line < bin_.size(); ++line) {
+    if (masked[line]) continue;
+    const auto b = static_cast<std::size_t>(bin_[line]);
+    const auto column = x.col(static_cast<Index>(line));
+    const double line_omega = kTurn * step_hz * static_cast<double>(first_ + static_cast<Index>(line));
+    const Eigen::MatrixXcd product = weight * column * column.adjoint();
+    sum.same[b] += product;
+    sum.delayed[b] += std::polar(1.0, -line_omega * delay_s) * product;
+    sum.count(bin_[line]) += weight;
+  }
+  sum.delay_seconds += weight * delay_s;
+  sum.segments += weight;
+}
+
+/// [motion x line] under the window.
+Eigen::MatrixXcd SpectralGatherer::transformed(const Eigen::Ref<const Eigen::MatrixXd>& motion) {
   std::vector<double> tapered(static_cast<std::size_t>(fft_.size()));
   std::vector<Complex> lines(static_cast<std::size_t>(fft_.bins()));
-  const Index bins = sum.bins();
-  Eigen::MatrixXcd x(motion.rows(), bins);
+  Eigen::MatrixXcd x(motion.rows(), std::ssize(bin_));
   for (Index row = 0; row < motion.rows(); ++row) {
     Eigen::Map<Eigen::ArrayXd>(tapered.data(), window_.size()) =
         motion.row(row).transpose().array() * window_;
     fft_.forward(tapered, lines);
-    for (Index k = 0; k < bins; ++k) {
+    for (Index k = 0; k < x.cols(); ++k) {
       // The integrals take the acceleration for straight lines between samples: sinc^2 of what it is.
-      const double phase = 0.5 * sum.omega(k) / rate_hz_;
+      const double phase =
+          std::numbers::pi * static_cast<double>(first_ + k) / static_cast<double>(fft_.size());
       const bool integrated = row >= channels_ && row < 3 * channels_;
       const double straight = integrated ? std::pow(std::sin(phase) / phase, 2) : 1.0;
-      x(row, k) = lines[static_cast<std::size_t>(sum.first + k)] / straight;
+      x(row, k) = lines[static_cast<std::size_t>(first_ + k)] / straight;
     }
   }
-  for (Index k = 0; k < bins; ++k) {
-    const auto b = static_cast<std::size_t>(k);
-    if (masked[b]) continue;
-    const Eigen::MatrixXcd product = weight * x.col(k) * x.col(k).adjoint();
-    sum.same[b] += product;
-    sum.delayed[b] += std::polar(1.0, -sum.omega(k) * delay_s) * product;
-    sum.count(k) += weight;
-  }
-  sum.delay_seconds += weight * delay_s;
-  sum.segments += weight;
+  return x;
 }
 
 }  // namespace roadbalance

@@ -38,29 +38,34 @@ class MotionIntegrals {
   StateFilter filter_;
 };
 
-/// Makes SpectralMoments of stretches of samples.
+/// Makes SpectralMoments of segments of samples.
+///
+/// Their bins are lines of the transform up to 4 Hz, and hold 2, 4, 8 .. lines in each octave above: what is
+/// the same in a bin is the road's shape and the tyres' stiffness, for the motion's integrals and the rear
+/// wheels' delay are those of each line.
 class SpectralGatherer {
  public:
   SpectralGatherer(Eigen::Index channels, double wheelbase_m, double rate_hz);
 
-  /// Segments evenly over the whole, but for those with a sample that is not quiet.
-  /// @param motion      [3 m + n x samples] of MotionIntegrals, settled, at a steady speed
-  /// @param distance_m  [sample] along the road
-  /// @param quiet       [sample] 0: not to be used
-  /// @param omega       rotation rate of each wheel, rad/s; 0: it has no line
-  SpectralMoments moments(const Eigen::Ref<const Eigen::MatrixXd>& motion,
-                          const Eigen::Ref<const Eigen::ArrayXd>& distance_m,
-                          const Eigen::Ref<const Eigen::ArrayXd>& quiet, const Eigen::Vector4d& omega);
+  /// Samples of a segment.
+  Eigen::Index size() const { return fft_.size(); }
+  /// @param motion     [3 m + n x size()] of MotionIntegrals, settled, at a steady speed
+  /// @param weight     independent lines that a line of it brings (HannSegments)
+  /// @param omega      rotation rate of each wheel, rad/s; 0: it has no line
+  void add(SpectralMoments& sum, const Eigen::Ref<const Eigen::MatrixXd>& motion, double weight,
+           const Eigen::Vector4d& omega, double speed_m_s);
 
  private:
-  void add_segment(SpectralMoments& sum, const Eigen::Ref<const Eigen::MatrixXd>& motion,
-                   const std::vector<bool>& masked, double weight, double delay_s);
+  Eigen::MatrixXcd transformed(const Eigen::Ref<const Eigen::MatrixXd>& motion);
 
   Eigen::Index channels_;
   double wheelbase_m_;
   double rate_hz_;
   RealFft fft_;
-  Eigen::ArrayXd window_;  ///< its squares' sum is the rate: a periodogram is a density
+  Eigen::ArrayXd window_;          ///< its squares' sum is the rate: a periodogram is a density
+  Eigen::Index first_;             ///< of the transform's lines
+  std::vector<Eigen::Index> bin_;  ///< [line from the first]
+  Eigen::ArrayXd frequency_hz_;    ///< [bin] mean of its lines
 };
 
 }  // namespace roadbalance

@@ -17,13 +17,12 @@ namespace roadbalance {
 template <typename Matrix>
 struct SpeedSpectra {
   using Spectra = std::vector<Matrix>;
-  double step_hz = 0.0;  ///< distance of the bins, the first of which is first * step_hz; 0: nothing yet
-  Eigen::Index first = 0;
-  double segments = 0.0;       ///< their weights' sum
-  double delay_seconds = 0.0;  ///< their sum of wheelbase / V
-  Eigen::ArrayXd count;        ///< [bin] segments in it
-  Spectra same;                ///< [bin] of both wheels of an axle
-  Spectra delayed;             ///< [bin] rows of front wheels against columns of rear ones
+  Eigen::ArrayXd frequency_hz;  ///< [bin]
+  double segments = 0.0;        ///< their weights' sum; 0: nothing yet
+  double delay_seconds = 0.0;   ///< their sum of wheelbase / V
+  Eigen::ArrayXd count;         ///< [bin] segments in it
+  Spectra same;                 ///< [bin] of both wheels of an axle
+  Spectra delayed;              ///< [bin] rows of front wheels against columns of rear ones
 
   SpeedSpectra& operator+=(const SpeedSpectra& other) {
     if (other.segments == 0.0) return *this;
@@ -40,7 +39,7 @@ struct SpeedSpectra {
 
   Eigen::Index bins() const { return count.size(); }
   /// Of a bin, circular frequency in rad/s.
-  double omega(Eigen::Index bin) const { return kTurn * step_hz * static_cast<double>(first + bin); }
+  double omega(Eigen::Index bin) const { return kTurn * frequency_hz(bin); }
   double delay_s() const { return delay_seconds / segments; }
 };
 

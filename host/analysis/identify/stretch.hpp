@@ -13,7 +13,8 @@ struct Stretch {
   /// Mean rotation rate of each wheel, rad/s; 0: it has no reference here.
   Eigen::Vector4d omega = Eigen::Vector4d::Zero();
   SignalMatrix signals;
-  /// [channel x samples] m/s^2 of each vertical channel (SensorMap); the same filters passed.
+  /// [channel x samples] m/s^2 of each vertical channel (SensorMap), of drives that are computed; recorded
+  /// ones have none.
   Eigen::MatrixXd readings{};
   /// Having passed the filters of `signals`; no columns: the road was not measured.
   RoadMatrix road_m;

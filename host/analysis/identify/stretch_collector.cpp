@@ -21,7 +21,6 @@ StretchCollector::StretchCollector(const VehicleConfig& vehicle, Emit emit)
       second_(std::max<Eigen::Index>(2, std::lround(rate_hz_))),
       least_(std::lround(vehicle.drive.section_s * rate_hz_)),
       signals_(kSignals, kLongest_s * second_),
-      readings_(0, kLongest_s * second_),
       road_m_(kWheels, kLongest_s * second_),
       emit_(std::move(emit)) {}
 
@@ -36,8 +35,6 @@ void StretchCollector::consume(const IdentificationSample& sample) {
     return;
   }
   signals_.col(filled_) = sample.signals;
-  if (readings_.rows() != sample.readings.size()) readings_.resize(sample.readings.size(), signals_.cols());
-  readings_.col(filled_) = sample.readings;
   road_measured_ = sample.road_m.has_value();
   if (road_measured_) road_m_.col(filled_) = *sample.road_m;
   ++filled_;
@@ -71,7 +68,6 @@ void StretchCollector::take_second() {
   } else if (speed_before_m_s && std::abs(*speed_m_s / *speed_before_m_s - 1.0) > kSecondSteadiness) {
     close(before);
     signals_.leftCols(second_) = signals_.middleCols(before, second_).eval();
-    readings_.leftCols(second_) = readings_.middleCols(before, second_).eval();
     road_m_.leftCols(second_) = road_m_.middleCols(before, second_).eval();
     filled_ = second_;
   }
@@ -84,7 +80,6 @@ void StretchCollector::close(Eigen::Index samples) {
   Stretch stretch;
   stretch.rate_hz = rate_hz_;
   stretch.signals = signals_.leftCols(samples);
-  stretch.readings = readings_.leftCols(samples);
   if (road_measured_) stretch.road_m = road_m_.leftCols(samples);
   for (int wheel = 0; wheel < kWheels; ++wheel) {
     const WheelConfig& config = vehicle_.wheel[static_cast<std::size_t>(wheel)];

@@ -33,7 +33,6 @@ class StretchCollector {
   Eigen::Index second_, least_;
   Eigen::Index settling_ = 0;  ///< samples still to skip
   SignalMatrix signals_;
-  Eigen::MatrixXd readings_;
   RoadMatrix road_m_;
   bool road_measured_ = false;
   Eigen::Index filled_ = 0;

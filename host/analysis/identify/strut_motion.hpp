@@ -29,6 +29,7 @@ class StrutMotion {
   /// @param acceleration  [channel] m/s^2
   /// @param signals       [kStrutSignals] 1, then m/s
   void update(const Eigen::Ref<const Eigen::ArrayXd>& acceleration, Eigen::Ref<Eigen::ArrayXd> signals);
+  void reset() { velocity_.reset(); }
 
  private:
   Eigen::MatrixXd stretch_;

@@ -42,7 +42,7 @@ std::complex<double> phasor(const VectorXd& parts, Index at) {
 }  // namespace
 
 UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorMode& mode,
-                                       const std::map<int, LineMoments>& lines) {
+                                       std::span<const LineMoments> lines) {
   constexpr double kStep = 1e-3;  // of a standard deviation, for differences: forces are almost linear
   const Index known = car.known();
   const MatrixXd forces = car.wheel_forces(mode.v);
@@ -60,7 +60,7 @@ UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorM
   information.diagonal().segment<kAxes>(kAxes).setConstant(1.0 / (kRadialForceSigma_n * kRadialForceSigma_n));
   information.bottomRightCorner(known, known) = mode.covariance.topLeftCorner(known, known).inverse();
   AxesVector squares = AxesVector::Zero(), fourths = AxesVector::Zero();
-  for (const auto& [speed, moments] : lines) {
+  for (const LineMoments& moments : lines) {
     if (moments.normal.isZero()) continue;
     const AxesVector omega = moments.omega()(Eigen::ArrayXi::LinSpaced(kAxes, 0, kAxes - 1) / 2);
     const AxesVector square = omega.cwiseAbs2();
@@ -90,9 +90,12 @@ UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorM
   // Kilogram metres are small beside newtons: all in standard deviations.
   const VectorXd scale =
       (information.diagonal().array() > 0.0).select(information.diagonal().cwiseSqrt().cwiseInverse(), 1.0);
-  const Eigen::LDLT<MatrixXd> solver(scale.asDiagonal() * information * scale.asDiagonal());
-  const MatrixXd covariance =
-      scale.asDiagonal() * solver.solve(MatrixXd::Identity(size, size)) * scale.asDiagonal();
+  const MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  const auto covariance_of_first = [&](Index count) -> MatrixXd {
+    const auto part = scale.head(count).asDiagonal();
+    return part * scaled.topLeftCorner(count, count).ldlt().solve(MatrixXd::Identity(count, count)) * part;
+  };
+  const MatrixXd covariance = covariance_of_first(size), heard = covariance_of_first(2 * kAxes);
   const VectorXd found = covariance * right;
 
   UnbalancePosterior result;
@@ -111,13 +114,16 @@ UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorM
       wheel.unbalance_covariance.setConstant(kNone);
       wheel.force_covariance.setConstant(kNone);
       wheel.correction_covariance.setConstant(kNone);
+      wheel.heard_covariance.setConstant(kNone);
       continue;
     }
     const double share = squares(u) / fourths(u);
     wheel.correction_kg_m = wheel.unbalance_kg_m + share * wheel.force_n;
-    const Eigen::Matrix2d crossed = covariance.block<2, 2>(u, r);
-    wheel.correction_covariance = wheel.unbalance_covariance + share * (crossed + crossed.transpose()) +
-                                  share * share * wheel.force_covariance;
+    Eigen::Matrix<double, 2, 2 * kAxes> sum = Eigen::Matrix<double, 2, 2 * kAxes>::Zero();  // U + share R
+    sum.middleCols<2>(u).setIdentity();
+    sum.middleCols<2>(r) = share * Eigen::Matrix2d::Identity();
+    wheel.correction_covariance = sum * covariance.topLeftCorner<2 * kAxes, 2 * kAxes>() * sum.transpose();
+    wheel.heard_covariance = sum * heard * sum.transpose();
   }
   return result;
 }

@@ -2,7 +2,7 @@
 
 #include <array>
 #include <complex>
-#include <map>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -27,6 +27,8 @@ struct WheelFirstOrder {
   /// W that leaves the least sum of |(U - W) Om^2 + R|^2 over the time driven: U + R sum Om^2 / sum Om^4.
   std::complex<double> correction_kg_m;
   Eigen::Matrix2d correction_covariance;
+  /// Of the correction if car and sensors were known exactly: what more driving makes smaller at once.
+  Eigen::Matrix2d heard_covariance;
 };
 
 /// The car, its unbalances and its tyres' first-order forces, all that is uncertain together.
@@ -45,8 +47,8 @@ struct UnbalancePosterior {
 /// t_s the tyres' own deviations at that speed (kTyreDriftSigma): linear in all that is unknown, and
 /// Gaussian.
 ///
-/// @param lines  by speed; wheels that lack a reference there have no equations in it
+/// @param lines  each of about one speed; wheels that lack a reference there have no equations in it
 UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorMode& mode,
-                                       const std::map<int, LineMoments>& lines);
+                                       std::span<const LineMoments> lines);
 
 }  // namespace roadbalance

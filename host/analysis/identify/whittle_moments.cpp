@@ -26,14 +26,16 @@ WhittleMoments WhittleGatherer::moments(const Eigen::Ref<const SignalMatrix>& si
   WhittleMoments sum;
   const Eigen::Index size = fft_.size();
   if (signals.cols() < size) return sum;
-  sum.step_hz = rate_hz_ / static_cast<double>(size);
-  sum.first = static_cast<Eigen::Index>(std::ceil(kWhittleFrom_hz / sum.step_hz - 1e-9));
-  const auto last = static_cast<Eigen::Index>(std::floor(kWhittleTo_hz / sum.step_hz + 1e-9));
-  const auto bins = static_cast<std::size_t>(last - sum.first + 1);
+  const double step_hz = rate_hz_ / static_cast<double>(size);
+  first_ = static_cast<Eigen::Index>(std::ceil(kWhittleFrom_hz / step_hz - 1e-9));
+  const auto last = static_cast<Eigen::Index>(std::floor(kWhittleTo_hz / step_hz + 1e-9));
+  const auto bins = static_cast<std::size_t>(last - first_ + 1);
+  sum.frequency_hz = step_hz * Eigen::ArrayXd::LinSpaced(last - first_ + 1, static_cast<double>(first_),
+                                                         static_cast<double>(last));
   sum.count.setZero(static_cast<Eigen::Index>(bins));
   sum.same.assign(bins, WhittleMoments::Spectra::value_type::Zero());
   sum.delayed = sum.same;
-  masked_ = bins_with_lines(bins, sum.first, sum.step_hz, omega);
+  masked_ = bins_with_lines(bins, first_, step_hz, omega);
   const HannSegments segments = HannSegments::over(signals.cols(), size);
   weight_ = segments.weight;
   for (const Eigen::Index begin : segments.begin)
@@ -50,7 +52,7 @@ void WhittleGatherer::add_segment(WhittleMoments& sum, const Eigen::Ref<const Si
   for (int c = 0; c < kCoordinates; ++c) {
     Eigen::Map<Eigen::ArrayXd>(tapered.data(), window_.size()) = signals.row(c).transpose().array() * window_;
     fft_.forward(tapered, lines);
-    for (Eigen::Index k = 0; k < bins; ++k) Z(c, k) = lines[static_cast<std::size_t>(sum.first + k)];
+    for (Eigen::Index k = 0; k < bins; ++k) Z(c, k) = lines[static_cast<std::size_t>(first_ + k)];
   }
   for (Eigen::Index k = 0; k < bins; ++k) {
     const auto b = static_cast<std::size_t>(k);

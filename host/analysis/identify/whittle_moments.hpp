@@ -39,6 +39,7 @@ class WhittleGatherer {
   double rate_hz_;
   RealFft fft_;
   Eigen::ArrayXd window_;
+  Eigen::Index first_ = 0;    ///< of the transform's bins
   std::vector<bool> masked_;  ///< [bin] of the present stretch
   double weight_ = 0.0;       ///< of its segments
 };

@@ -113,10 +113,11 @@ TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
     EXPECT_EQ(compensation["within_shop"], compensation["residual_g"].get<double>() <= 2.0);
   }
   expect_suspension(told["suspension"]);
-  EXPECT_GT(told["condition"].get<double>(), 1.0);
   EXPECT_EQ(told["misfit"].size(), 1U + kWheels);
   EXPECT_EQ(told["mass_share"].size(), 1U + kWheels);
-  EXPECT_EQ(told["wheels"][0]["force_state"], "not_separable");
+  EXPECT_LT(told["wheels"][0]["force_n"].get<double>(),
+            3.5 * told["wheels"][0]["sigma_force_n"].get<double>())
+      << "there is none";
   const auto& front_left = told["compensation"][0]["steps"];
   EXPECT_TRUE(std::ranges::any_of(front_left, [](const Json& step) { return step["action"] != "add"; }))
       << "the fitted weight is spoken of";

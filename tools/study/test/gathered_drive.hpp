@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/test/source.hpp"
+#include "common/vehicle/sensor_map.hpp"
 #include "host/analysis/identify/estimate_covariance.hpp"
 #include "host/analysis/identify/section.hpp"
 #include "host/analysis/identify/speed_classes.hpp"
@@ -36,14 +37,18 @@ inline SpeedClasses gather(const IdealDrive& drive, std::uint64_t seed, const Ve
   std::normal_distribution<double> normal(0.0, noise_m_s2);
   SpeedClasses classes(described.drive.speed_class_m_s);
   const Priors known = Priors::of(described);
+  const Eigen::MatrixXd sensors = SensorMap::from(described).readings;
   ParameterVector weights = known.value;
   for (Stretch& stretch : drive_ideally(drive, seed, demo_car())) {
     if (noise_m_s2 > 0.0)
       for (double& value : stretch.signals.topRows<kCoordinates>().reshaped()) value += normal(random);
-    SectionBuilder sections(described, [&](const DriveMoments& section) { classes.add(section); });
+    SectionBuilder sections(
+        described, [&](const DriveMoments& section) { classes.add(section); }, sensors);
     sections.set_parameters(weights);
     for (Eigen::Index k = 0; k < stretch.signals.cols(); ++k)
-      sections.consume({.signals = stretch.signals.col(k), .restart = k == 0});
+      sections.consume({.signals = stretch.signals.col(k),
+                        .readings = sensors * stretch.signals.col(k).head<kCoordinates>(),
+                        .restart = k == 0});
     if (const auto running = sections.running()) classes.add(*running);
     if (const auto x = solve(classes.total(), known.geometry, known.value))
       weights.segment<kEstimatedUnbalance>(kSpring) = x->head<kEstimatedUnbalance>();

@@ -110,16 +110,6 @@ TEST_F(IdentifyWith, RefusesWhatNeedsARoadAndFindsWithoutOneWhatDoesNot) {
   expect_found(0.08, 0.35);
   EXPECT_EQ(reported_["wheels"][0]["tyre_from"], "drive");
 
-  // It is asked for the whole car: nothing of it is taken for exact.
-  ASSERT_EQ(identify("posterior"), kDone) << log_;
-  expect_found(0.08, 0.15);
-  EXPECT_NE(reported_["remarks"][0].get<std::string>().find("front_left: tyre's force "), std::string::npos);
-  EXPECT_EQ(reported_["remarks"].dump().find("exact"), std::string::npos) << reported_["remarks"];
-  for (std::size_t w = 0; w < kWheels; ++w)
-    EXPECT_NEAR(reported_["suspension"]["damper_n_s_m"][w]["value"].get<double>() /
-                    truth_.car.parameters(kDamper + static_cast<int>(w)),
-                1.0, 0.03)
-        << w;
   for (const char* name : {"known-tyre", "correlation"}) {
     ASSERT_EQ(identify(name), kDone) << log_;
     for (const auto& wheel : reported_["wheels"]) {

@@ -7,7 +7,6 @@
 #include "host/analysis/identify/estimators/correlation.hpp"
 #include "host/analysis/identify/estimators/harmonic_ml.hpp"
 #include "host/analysis/identify/estimators/paper.hpp"
-#include "host/analysis/identify/estimators/posterior.hpp"
 #include "host/analysis/identify/estimators/two_stage.hpp"
 
 namespace roadbalance {
@@ -21,8 +20,8 @@ bool Question::asks_for_suspension() const {
 std::span<const EstimatorKind> estimators() {
   static const std::vector<EstimatorKind> kAll = [] {
     std::vector<EstimatorKind> all;
-    for (const auto kinds : {paper_kinds, own_past_kinds, harmonic_kinds, correlation_kinds, two_stage_kinds,
-                             posterior_kinds, chassis_kinds})
+    for (const auto kinds :
+         {paper_kinds, own_past_kinds, harmonic_kinds, correlation_kinds, two_stage_kinds, chassis_kinds})
       for (EstimatorKind& kind : kinds()) all.push_back(std::move(kind));
     return all;
   }();

@@ -2,13 +2,11 @@
 
 #include <bitset>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "common/vehicle/linear_model.hpp"
-#include "host/analysis/identify/car_posterior.hpp"
 #include "host/analysis/identify/estimate.hpp"
 #include "host/analysis/identify/stretch.hpp"
 
@@ -21,8 +19,6 @@ struct Question {
   ParameterVector known = ParameterVector::Zero();
   /// Places in UnknownVector; both parts of an unbalance together.
   std::bitset<kUnknowns> asked;
-  /// How well car and sensors are known, for estimators that weigh it.
-  std::optional<CarPrior> prior{};
 
   bool asks_for_tyre(int wheel) const { return asked[static_cast<std::size_t>(kEstimatedTyre + wheel)]; }
   bool asks_for_unbalance(int wheel) const {
@@ -63,7 +59,6 @@ struct EstimatorKind {
   std::string what;            ///< one line
   bool road_measured = false;  ///< it needs Stretch::road_m
   std::unique_ptr<Estimator> (*make)(const Question& question);
-  bool whole_car = false;  ///< suspension, tyres and unbalances are asked of it at once
 };
 
 /// In the order in which they are listed: the paper's first.

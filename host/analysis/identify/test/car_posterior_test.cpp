@@ -59,9 +59,8 @@ struct Drive {
 
   SpectralMoments of(const CarPrior& car, const ParameterVector& parameters) const {
     SpectralMoments moments;
-    moments.step_hz = 0.25;
-    moments.first = 3;
     const Index bins = 158;
+    moments.frequency_hz = Eigen::ArrayXd::LinSpaced(bins, 0.75, 40.0);
     moments.segments = segments;
     moments.delay_seconds = segments * kWheelbase_m / speed_m_s;
     moments.count.setConstant(bins, segments);
@@ -105,8 +104,9 @@ VectorXd some_place(const CarPosterior& posterior) {
   return v;
 }
 
-void expect_gradient(const CarPrior& car, const SpectralMoments& slow, const SpectralMoments& fast) {
-  const CarPosterior posterior(car, {&slow, &fast});
+void expect_gradient(const CarPrior& car, const SpectralMoments& slow, const SpectralMoments& fast,
+                     int road_of_fast = 0) {
+  const CarPosterior posterior(car, {{&slow}, {&fast, road_of_fast}});
   const VectorXd v = some_place(posterior);
   VectorXd gradient;
   EXPECT_DOUBLE_EQ(posterior.value(v, gradient), posterior.value(v));
@@ -140,6 +140,12 @@ TEST(CarPosterior, GradientIsTheDerivativeOfItsValue) {
                   Drive{.speed_m_s = 33.0}.of(car, car.value));
 }
 
+TEST(CarPosterior, GradientIsTheDerivativeOfItsValueOnTwoRoads) {
+  const CarPrior car = reference_car();
+  expect_gradient(car, Drive{.speed_m_s = 25.0}.of(car, car.value),
+                  Drive{.speed_m_s = 33.0, .exponent = 2.7}.of(car, car.value), 1);
+}
+
 TEST(CarPosterior, GradientIsTheDerivativeOfItsValueWhereStrutsAreNotLinear) {
   const CarPrior car = car_with_any_struts();
   expect_gradient(car, kStruts.of(car, car.value), kFasterStruts.of(car, car.value));
@@ -150,7 +156,7 @@ TEST(CarPosterior, GradientIsTheDerivativeOfItsValueWhereStrutsAreNotLinear) {
 TEST(CarPosterior, FrictionThatIsNotThereIsNotFound) {
   const CarPrior car = car_with_any_struts();
   const SpectralMoments slow = kStruts.of(car, car.value), fast = kFasterStruts.of(car, car.value);
-  const CarPosterior posterior(car, {&slow, &fast});
+  const CarPosterior posterior(car, {{&slow}, {&fast}});
   const PosteriorMode mode = posterior_mode(posterior, VectorXd::Zero(posterior.size()));
   EXPECT_TRUE(mode.converged);
   EXPECT_LT(posterior.friction_n(mode.v).cwiseAbs().maxCoeff(), 1.0);
@@ -158,11 +164,11 @@ TEST(CarPosterior, FrictionThatIsNotThereIsNotFound) {
 }
 
 // Fisher's information is the second derivative of the expected log likelihood, which exact spectra give.
-TEST(CarPosterior, InformationIsTheCurvatureAtTheTruth) {
+void expect_curvature(int road_of_fast) {
   const CarPrior car = reference_car();
   const SpectralMoments slow = Drive{.speed_m_s = 25.0}.of(car, car.value);
   const SpectralMoments fast = Drive{.speed_m_s = 33.0}.of(car, car.value);
-  const CarPosterior posterior(car, {&slow, &fast});
+  const CarPosterior posterior(car, {{&slow}, {&fast, road_of_fast}});
   const VectorXd truth = VectorXd::Zero(posterior.size());
   const Eigen::MatrixXd information = posterior.information(truth);
   const VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
@@ -183,6 +189,14 @@ TEST(CarPosterior, InformationIsTheCurvatureAtTheTruth) {
   EXPECT_LT(pull.norm(), 0.3);
 }
 
+TEST(CarPosterior, InformationIsTheCurvatureAtTheTruth) {
+  expect_curvature(0);
+}
+
+TEST(CarPosterior, InformationIsTheCurvatureAtTheTruthOfTwoRoads) {
+  expect_curvature(1);
+}
+
 TEST(CarPosterior, ModeIsTheTruthWhereThePriorIsFarOff) {
   CarPrior car = reference_car();
   ParameterVector truth = car.value;
@@ -198,7 +212,7 @@ TEST(CarPosterior, ModeIsTheTruthWhereThePriorIsFarOff) {
   drive.gains(5) = 0.99;
   const SpectralMoments slow = (drive.speed_m_s = 25.0, drive).of(car, truth);
   const SpectralMoments fast = (drive.speed_m_s = 34.0, drive).of(car, truth);
-  const CarPosterior posterior(car, {&slow, &fast});
+  const CarPosterior posterior(car, {{&slow}, {&fast}});
   const PosteriorMode mode = posterior_mode(posterior, VectorXd::Zero(posterior.size()));
   EXPECT_TRUE(mode.converged);
   EXPECT_LE(mode.steps, 15);
@@ -218,7 +232,7 @@ TEST(CarPosterior, ARoadOfAnotherExponentMovesNothing) {
   const CarPrior car = reference_car();
   const auto tyres = [&](double exponent) {
     const SpectralMoments moments = Drive{.segments = 1e6, .exponent = exponent}.of(car, car.value);
-    const CarPosterior posterior(car, {&moments});
+    const CarPosterior posterior(car, {{&moments}});
     const PosteriorMode mode = posterior_mode(posterior, VectorXd::Zero(posterior.size()));
     return posterior.parameters(mode.v).segment<kWheels>(kTyre).eval();
   };

@@ -75,7 +75,19 @@ Found not_separable(double least_km_h, double greatest_km_h) {
 TEST(Remarks, SayOnceThatTheSpeedsDoNotSeparate) {
   const Found found = not_separable(110.0, 130.0);
   EXPECT_TRUE(found.contains("not separable: 110–130 km/h"));
-  EXPECT_EQ(diagnostics(found.identification, found.balance).size(), 3U);
+  EXPECT_EQ(diagnostics(found.identification, found.balance).size(), 4U);
+}
+
+TEST(Remarks, SayUnbalanceAloneAndForceOfEachWheel) {
+  Found found;
+  found.balance[1].wheel = 1;
+  found.balance[1].force_state = ForceState::kSeparated;
+  found.balance[1].alone_g = 20.04;
+  found.balance[1].sigma_alone_g = 1.26;
+  found.balance[1].force_n = 48.0;
+  found.balance[1].sigma_force_n = 4.6;
+  EXPECT_TRUE(found.contains("alone and tyre's force: front_right 20.0 ± 1.3 g and 48 ± 5 N"));
+  EXPECT_FALSE(found.contains("front_left"));
 }
 
 /// Forces of one road: their weight grows as the speed.

@@ -2,54 +2,73 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "common/test/source.hpp"
 
 namespace roadbalance {
 namespace {
 
-/// Result of a drive for a car that is as vehicle.toml has it.
+using Kind = UncertainQuantity::Kind;
+
+/// Result of a drive with a car that is as vehicle.toml has it, but for what a test adds.
 struct Drive {
-  Priors priors = Priors::of(VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml")));
-  UnknownVector x = UnknownVector::Zero();
-  EstimateCovariance covariance;
-  Drive() {
-    x.head<kEstimatedUnbalance>() = priors.value.segment<kEstimatedUnbalance>(kSpring);
-    covariance.suspension = {.condition = 4.0, .margin = 400.0, .weakest = kEstimatedStabiliser};
+  VehicleConfig vehicle = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
+  CarPrior prior = CarPrior::of(vehicle);
+  std::optional<PosteriorCar> car = PosteriorCar{};
+  Drive() { add(Kind::kParameter, kSpring, prior.value(kSpring), 0.5); }
+  void add(Kind kind, Eigen::Index index, double value, double sigmas) {
+    car->deviations.push_back({{kind, index}, value, 0.01 * value, sigmas});
   }
-  bool is_refused_for(const std::string& words) const {
-    return refusal(x, covariance, priors).find(words) != std::string::npos;
+  std::string refused() const { return refusal(car, prior, vehicle); }
+  bool tells(const std::string& words) const {
+    return std::ranges::any_of(remarks_on_deviations(car, prior, vehicle),
+                               [&](const std::string& s) { return s.find(words) != std::string::npos; });
   }
 };
 
-TEST(Refusal, IsNoneOfASoundDrive) {
+TEST(Refusal, IsNoneOfACarThatIsAsItIsTakenFor) {
   const Drive drive;
-  EXPECT_EQ(refusal(drive.x, drive.covariance, drive.priors), "");
-}
-
-TEST(Refusal, SaysWhatTheDriveTellsLeastAndWhereToDrive) {
-  Drive drive;
-  drive.covariance.suspension.margin = 3.1;
-  EXPECT_EQ(refusal(drive.x, drive.covariance, drive.priors), "");
-  drive.covariance.suspension.margin = 2.9;
-  EXPECT_TRUE(drive.is_refused_for("the front stabiliser least"));
-  EXPECT_TRUE(drive.is_refused_for("condition number 4"));
-  EXPECT_TRUE(drive.is_refused_for("left and right wheels meet bumps of their own"));
-}
-
-TEST(Refusal, NamesWhatIsNotPlausible) {
-  Drive drive;
-  drive.x(kEstimatedStabiliser + 1) *= 0.1;  // may truly be weak
-  EXPECT_EQ(implausible(drive.x, drive.priors), std::nullopt);
-  drive.x(kEstimatedDamper + 2) *= 2.1;
-  EXPECT_TRUE(drive.is_refused_for("rear_left damper: the drive says 3360 N s/m and vehicle.toml 1600"));
-  drive.x(kEstimatedDamper + 2) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(implausible(drive.x, drive.priors), kEstimatedDamper + 2);
+  EXPECT_EQ(drive.refused(), "");
+  EXPECT_TRUE(remarks_on_deviations(drive.car, drive.prior, drive.vehicle).empty());
 }
 
 TEST(Refusal, AsksForMoreWhereADriveTellsNothing) {
-  const Drive drive;
-  EXPECT_NE(refusal(std::nullopt, std::nullopt, drive.priors).find("rougher road"), std::string::npos);
-  EXPECT_NE(refusal(drive.x, std::nullopt, drive.priors).find("drive on"), std::string::npos);
+  Drive drive;
+  drive.car.reset();
+  EXPECT_NE(drive.refused().find("rougher road"), std::string::npos);
+  EXPECT_TRUE(remarks_on_deviations(drive.car, drive.prior, drive.vehicle).empty());
+}
+
+TEST(Refusal, NamesTheOneThatIsFarthestOff) {
+  Drive drive;
+  drive.add(Kind::kGain, 0, 1.03, 5.5);
+  drive.add(Kind::kParameter, kDamper + 2, 5200.0, -6.2);
+  const std::string refused = drive.refused();
+  EXPECT_EQ(refused.find("rear_left damper: the drive says 5200 ± 52 N s/m and vehicle.toml"), 0U) << refused;
+  EXPECT_NE(refused.find("6 times as far apart"), std::string::npos) << refused;
+  EXPECT_EQ(refused.find("reads"), std::string::npos);
+  EXPECT_TRUE(remarks_on_deviations(drive.car, drive.prior, drive.vehicle).empty());
+}
+
+TEST(Refusal, IsARemarkBelowItsBound) {
+  Drive drive;
+  drive.add(Kind::kGain, 1, 0.96, -4.0);
+  EXPECT_EQ(drive.refused(), "");
+  EXPECT_TRUE(drive.tells("it seems to read 4.0 ± 1.0 % too little"));
+  drive.car->deviations.back().sigmas = -3.4;
+  EXPECT_FALSE(drive.tells("read"));
+}
+
+// Friction is nothing that vehicle.toml has: what it is said to be within, a strut in need of repair may be.
+TEST(Refusal, TellsOfDryFrictionThatIsCertain) {
+  Drive drive;
+  drive.add(Kind::kFriction, 3, 100.0, 2.0);
+  EXPECT_TRUE(drive.tells("rear_right: its strut seems to have a dry friction of 100 ± 1 N"));
+  drive.car->deviations.back().sigma = 40.0;
+  EXPECT_FALSE(drive.tells("friction"));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/test/source.hpp"
+#include "common/vehicle/sensor_map.hpp"
 #include "host/analysis/identify/confidence.hpp"
 #include "host/analysis/identify/estimate.hpp"
 
@@ -22,6 +23,10 @@ using Complex = std::complex<double>;
 const VehicleConfig& car() {
   static const VehicleConfig vehicle = VehicleConfig::read_file(test::source_path("sim/demo/vehicle.toml"));
   return vehicle;
+}
+const Eigen::MatrixXd& sensors() {
+  static const Eigen::MatrixXd readings = SensorMap::from(car()).readings;
+  return readings;
 }
 const std::array<Complex, kWheels> kUnbalance{std::polar(6.65e-3, 3.79), std::polar(3.8e-3, 1.05),
                                               std::polar(2.3e-3, -0.4), std::polar(2.7e-3, 2.2)};
@@ -52,6 +57,7 @@ void feed(SectionBuilder& sections, const Eigen::Vector4d& omega, double seconds
       sample.signals(sine_row(w)) = r.imag();
     }
     for (int c = 0; c < kCoordinates; ++c) sample.signals(c) += noise(random);
+    sample.readings = sensors() * sample.signals.head<kCoordinates>();
     sections.consume(sample);
   }
 }
@@ -68,7 +74,8 @@ Eigen::Vector4cd unbalances(const DriveMoments& moments) {
 
 TEST(HarmonicInstrument, FindsTheUnbalanceOfEveryWheelInOneSection) {
   DriveMoments drive;
-  SectionBuilder sections(car(), [&](const DriveMoments& section) { drive += section; });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments& section) { drive += section; }, sensors());
   feed(sections, {108.0, 108.4, 107.7, 109.0}, 14.0, 1e-4);
   ASSERT_EQ(drive.sections, 1);
   const Eigen::Vector4cd U = unbalances(drive);
@@ -79,7 +86,8 @@ TEST(HarmonicInstrument, FindsTheUnbalanceOfEveryWheelInOneSection) {
 
 TEST(HarmonicInstrument, StaysRightWhenAllWheelsTurnInStep) {
   DriveMoments drive;
-  SectionBuilder sections(car(), [&](const DriveMoments& section) { drive += section; });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments& section) { drive += section; }, sensors());
   feed(sections, {108.0, 108.0, 108.0, 108.0}, 14.0, 1e-4);
   ASSERT_EQ(drive.sections, 1);
   const Eigen::Vector4cd U = unbalances(drive);
@@ -93,8 +101,10 @@ TEST(SectionBuilder, WeighsWhatWasDrivenBeforeTheCarWasKnownAsIfItHadKnownIt) {
   known.segment<kWheels>(kTyre) *= 1.1;
   known.segment<kWheels>(kDamper) *= 0.8;
   std::vector<DrivenSection> early, late;
-  SectionBuilder sections(car(), [&](const DrivenSection& section) { early.push_back(section); });
-  SectionBuilder knowing(car(), [&](const DrivenSection& section) { late.push_back(section); });
+  SectionBuilder sections(
+      car(), [&](const DrivenSection& section) { early.push_back(section); }, sensors());
+  SectionBuilder knowing(
+      car(), [&](const DrivenSection& section) { late.push_back(section); }, sensors());
   knowing.set_parameters(known);
   for (SectionBuilder* each : {&sections, &knowing}) feed(*each, {100.0, 101.0, 102.5, 98.0}, 14.0, 0.3);
   ASSERT_EQ(early.size(), 1U);
@@ -114,7 +124,8 @@ TEST(SectionBuilder, WeighsWhatWasDrivenBeforeTheCarWasKnownAsIfItHadKnownIt) {
 
 TEST(SectionBuilder, KnowsSpeedAndLength) {
   std::vector<DriveMoments> found;
-  SectionBuilder sections(car(), [&](const DriveMoments& section) { found.push_back(section); });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments& section) { found.push_back(section); }, sensors());
   feed(sections, {100.0, 100.1, 100.2, 100.3}, 24.0, 1e-4);
   // 3 s of settling, then 10 s a section, 1 s of which it shares with the next, and 20 ms for the longest
   // lag.
@@ -126,9 +137,13 @@ TEST(SectionBuilder, KnowsSpeedAndLength) {
 TEST(SectionBuilder, TakesNothingThatASensorHasSpoiled) {
   for (const bool spoiled : {false, true}) {
     DriveMoments drive;
-    SectionBuilder sections(car(), [&](const DriveMoments& section) { drive += section; });
+    SectionBuilder sections(
+        car(), [&](const DriveMoments& section) { drive += section; }, sensors());
     feed(sections, {108.0, 108.4, 107.7, 109.0}, 3.0 + 7.5, 1e-4);
-    sections.consume({.signals = SignalVector::Zero(), .restart = true, .spoiled = spoiled});
+    sections.consume({.signals = SignalVector::Zero(),
+                      .readings = Eigen::VectorXd::Zero(sensors().rows()),
+                      .restart = true,
+                      .spoiled = spoiled});
     EXPECT_EQ(drive.sections, spoiled ? 0 : 1);
     EXPECT_FALSE(sections.running());
   }
@@ -136,11 +151,13 @@ TEST(SectionBuilder, TakesNothingThatASensorHasSpoiled) {
 
 TEST(SectionBuilder, TellsOfTheSectionBeingDrivenAsFarAsItGoes) {
   DriveMoments drive;
-  SectionBuilder sections(car(), [&](const DriveMoments& section) { drive += section; });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments& section) { drive += section; }, sensors());
   feed(sections, {108.0, 108.4, 107.7, 109.0}, 3.0 + 4.9, 1e-4);
   EXPECT_FALSE(sections.running()) << "less than five seconds";
   const auto before = sections.news();
-  SectionBuilder longer(car(), [&](const DriveMoments& section) { drive += section; });
+  SectionBuilder longer(
+      car(), [&](const DriveMoments& section) { drive += section; }, sensors());
   feed(longer, {108.0, 108.4, 107.7, 109.0}, 3.0 + 6.5, 1e-4);
   EXPECT_EQ(drive.sections, 0);
   EXPECT_GT(longer.news(), before);
@@ -156,7 +173,8 @@ TEST(SectionBuilder, TellsOfTheSectionBeingDrivenAsFarAsItGoes) {
 
 TEST(SectionBuilder, UsesWhatAHoleLeavesOfASection) {
   std::vector<DriveMoments> found;
-  SectionBuilder sections(car(), [&](const DriveMoments& section) { found.push_back(section); });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments& section) { found.push_back(section); }, sensors());
   feed(sections, {108.0, 108.4, 107.7, 109.0}, 3.0 + 7.9, 1e-4);
   EXPECT_TRUE(found.empty());
   const auto before = sections.news();
@@ -172,7 +190,8 @@ TEST(SectionBuilder, UsesWhatAHoleLeavesOfASection) {
 
 TEST(SectionBuilder, UsesNoSectionInWhichAWheelHasNoAngleAndNamesIt) {
   int found = 0;
-  SectionBuilder sections(car(), [&](const DriveMoments&) { ++found; });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments&) { ++found; }, sensors());
   IdentificationSample sample;
   for (int k = 0; k < 500 * 14; ++k) {
     sample.restart = k == 0;
@@ -181,6 +200,7 @@ TEST(SectionBuilder, UsesNoSectionInWhichAWheelHasNoAngleAndNamesIt) {
       sample.signals(cosine_row(w)) = std::cos(0.2 * k);
       sample.signals(sine_row(w)) = std::sin(0.2 * k);
     }
+    sample.readings = sensors() * sample.signals.head<kCoordinates>();
     sections.consume(sample);
   }
   EXPECT_EQ(found, 0);
@@ -189,7 +209,8 @@ TEST(SectionBuilder, UsesNoSectionInWhichAWheelHasNoAngleAndNamesIt) {
 
 TEST(SectionBuilder, UsesNoDrivingBelowTheLeastSpeed) {
   int found = 0;
-  SectionBuilder sections(car(), [&](const DriveMoments&) { ++found; });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments&) { ++found; }, sensors());
   feed(sections, Eigen::Vector4d::Constant(0.9 * car().drive.least_speed_m_s / 0.30), 30.0, 1e-4);
   EXPECT_EQ(found, 0);
 }
@@ -201,7 +222,8 @@ TEST(Jackknife, GivesTheVarianceOfAMean) {
   const ParameterVector known = nominal_parameters(car());
   std::vector<DriveMoments> groups;
   DriveMoments total;
-  SectionBuilder sections(car(), [&](const DriveMoments& section) { groups.push_back(section); });
+  SectionBuilder sections(
+      car(), [&](const DriveMoments& section) { groups.push_back(section); }, sensors());
   std::mt19937_64 random(3);
   std::normal_distribution<double> road(0.0, 1.0);
   for (int k = 0; k < 500 * 34; ++k) {  // noise drives every instrument, so that step 1 is determined
@@ -212,6 +234,7 @@ TEST(Jackknife, GivesTheVarianceOfAMean) {
       sample.signals(cosine_row(w)) = std::cos(0.2 * k);
       sample.signals(sine_row(w)) = std::sin(0.2 * k);
     }
+    sample.readings = sensors() * sample.signals.head<kCoordinates>();
     sections.consume(sample);
   }
   ASSERT_EQ(groups.size(), 3U);

@@ -42,8 +42,7 @@ WhittleMoments spectra(const ParameterVector& parameters, double speed_m_s, doub
                        std::mt19937_64* random = nullptr) {
   const LinearModel model = linear_model(kGeometry, parameters);
   WhittleMoments moments;
-  moments.step_hz = 0.25;
-  moments.first = 12;
+  moments.frequency_hz = Eigen::ArrayXd::LinSpaced(149, 3.0, 40.0);
   moments.segments = segments;
   const double delay_s = (kGeometry.x_m[0] - kGeometry.x_m[2]) / speed_m_s;
   moments.delay_seconds = segments * delay_s;
@@ -196,8 +195,9 @@ TEST(WhittleMoments, LeaveOutTheBinsOfALine) {
   const Eigen::Vector4d omega(kTurn * line_hz, 0.0, 0.0, 0.0);
   const WhittleMoments without = gather.moments(quiet, omega, 30.0);
   const WhittleMoments with = gather.moments(loud, omega, 30.0);
+  const double step_hz = with.frequency_hz(1) - with.frequency_hz(0);
   for (Eigen::Index k = 0; k < with.count.size(); ++k) {
-    const double away = std::abs(with.omega(k) / kTurn - line_hz) / with.step_hz;
+    const double away = std::abs(with.omega(k) / kTurn - line_hz) / step_hz;
     EXPECT_EQ(with.count(k) > 0.0, away > 2.6) << away;
     if (with.count(k) == 0.0) continue;
     // The line is 2000 times a bin of the noise; beyond 2.6 bins the Hann window leaves less than -32 dB.

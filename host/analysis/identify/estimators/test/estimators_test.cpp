@@ -32,7 +32,7 @@ IdealDrive plain_drive(double road_gd_m3, Eigen::Index samples) {
 /// Tyre and unbalance of the front left wheel, the tyre taken for 10 % stiffer.
 Question front_left(double tyre = 1.1) {
   const VehicleConfig vehicle = demo_vehicle();
-  Question question{geometry_of(vehicle.model), nominal_parameters(vehicle), {}, CarPrior::of(vehicle)};
+  Question question{geometry_of(vehicle.model), nominal_parameters(vehicle), {}};
   question.known(kTyre) *= tyre;
   question.asked.set(kEstimatedUnbalance).set(kEstimatedUnbalance + 1);
   if (tyre != 1.0) question.asked.set(kEstimatedTyre);
