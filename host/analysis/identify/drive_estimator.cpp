@@ -97,7 +97,7 @@ void DriveEstimator::note_news() {
 
 const DriveEstimate& DriveEstimator::estimate() {
   if (std::exchange(stale_, false)) {
-    const auto running = sections_.running();
+    const auto running = sections_.running_lines();
     car_ = posterior_ ? posterior_->solve(running) : std::nullopt;
     report_.draw(classes_so_far(running), car_, sections_.phase_drift(), news_ns_);
   }

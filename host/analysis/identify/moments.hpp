@@ -75,6 +75,13 @@ struct DriveMoments {
   double speed_seconds = 0.0;  ///< integral of the speed, m
   int sections = 0;
 
+  /// It is of one section.
+  void count(double section_seconds, double speed_m_s) {
+    sections = 1;
+    seconds = section_seconds;
+    speed_seconds = section_seconds * speed_m_s;
+  }
+
   /// Chassis rows of (2): no road and no unbalance acts on the body.
   std::array<InstrumentMoments<double>, kChassisInstruments> chassis{};
   std::array<double, kChassisInstruments> chassis_power{};  ///< sum of W''^2

@@ -110,16 +110,24 @@ bool SectionBuilder::take(Eigen::Index samples) {
   for (int wheel = 0; wheel < kWheels; ++wheel)
     has_angle[static_cast<std::size_t>(wheel)] = has_reference(wheel, 0, samples);
   phase_drift_.add(buffer_.signals().leftCols(samples), has_angle);
-  const DrivenSection taken = section(samples, true);
+  const DrivenSection taken = section(samples, Part::kAll);
   road_ = newest_road_;
   emit_(taken);
   return true;
 }
 
 std::optional<DrivenSection> SectionBuilder::running() {
+  return running(Part::kMoments);
+}
+
+std::optional<DrivenSection> SectionBuilder::running_lines() {
+  return running(Part::kLines);
+}
+
+std::optional<DrivenSection> SectionBuilder::running(Part part) {
   const Eigen::Index samples = whole_parts(buffer_.filled());
   if (samples == 0 || wheel_without_angle(samples)) return std::nullopt;
-  return section(samples, false);
+  return section(samples, part);
 }
 
 /// With an encoder, but without an angle somewhere in the first `samples` or their lag.
@@ -161,7 +169,7 @@ void SectionBuilder::weigh(DrivenSection& section, const RoadSpectrum& density) 
   section.lines = line_moments(reading, motion_->channels(), density, geometry_, parameters_);
 }
 
-DrivenSection SectionBuilder::section(Eigen::Index samples, bool with_spectra) {
+DrivenSection SectionBuilder::section(Eigen::Index samples, Part part) {
   const int timer = *speed_wheel(0, samples);  // check_steadiness saw to it that there is one
   const double radius_m = rolling_radius_m_[static_cast<std::size_t>(timer)];
   const double speed_m_s = mean_rotation(timer, 0, samples) * radius_m;
@@ -173,7 +181,10 @@ DrivenSection SectionBuilder::section(Eigen::Index samples, bool with_spectra) {
   const Eigen::Index behind = buffer_.filled() - samples;
   const Eigen::ArrayXd quiet = motion_->quiet(behind);
   DrivenSection section;
-  static_cast<DriveMoments&>(section) = buffer_.moments(samples, omega, speed_m_s);
+  if (part != Part::kLines)
+    static_cast<DriveMoments&>(section) = buffer_.moments(samples, omega, speed_m_s);
+  else
+    section.count(buffer_.seconds(samples), speed_m_s);
   if (quiet.tail(samples).mean() >= kLeastQuiet)
     section.reading =
         buffer_.harmonic(samples, omega, speed_m_s, motion_->readings(samples, behind), quiet.tail(samples));
@@ -181,7 +192,7 @@ DrivenSection SectionBuilder::section(Eigen::Index samples, bool with_spectra) {
   newest_road_ = road_.remembering(kRoadBins);
   newest_road_ += section.reading.density();
   weigh(section, newest_road_);
-  if (with_spectra) section.spectra = motion_->take(quiet, omega, timer, radius_m);
+  if (part == Part::kAll) section.spectra = motion_->take(quiet, omega, timer, radius_m);
   return section;
 }
 
@@ -191,9 +202,7 @@ DrivenSection SectionBuilder::section_of_body(Eigen::Index samples, const Eigen:
   if (body == body_.end())
     body = body_.emplace(samples, BodyInstrument(vehicle_, buffer_.taper(samples), rate_hz_)).first;
   DrivenSection sum;
-  sum.sections = 1;
-  sum.seconds = buffer_.seconds(samples);
-  sum.speed_seconds = sum.seconds * speed_m_s;
+  sum.count(buffer_.seconds(samples), speed_m_s);
   sum.body = body->second.moments(buffer_.signals().leftCols(samples), omega);
   return sum;
 }

@@ -42,6 +42,8 @@ class SectionBuilder {
 
   /// The section being driven, as far as whole parts go; nothing: too short yet, or a wheel lacks its angle.
   std::optional<DrivenSection> running();
+  /// Its lines alone, where sensors sit on all carriers: of the moments only sections, seconds and harmonic.
+  std::optional<DrivenSection> running_lines();
   /// Grows whenever running() changes.
   std::int64_t news() const { return news_; }
 
@@ -65,7 +67,9 @@ class SectionBuilder {
   bool take(Eigen::Index samples);
   Eigen::Index whole_parts(Eigen::Index samples) const;
   std::optional<int> wheel_without_angle(Eigen::Index samples) const;
-  DrivenSection section(Eigen::Index samples, bool with_spectra);
+  enum class Part { kAll, kMoments, kLines };  ///< kMoments: all but spectra
+  std::optional<DrivenSection> running(Part part);
+  DrivenSection section(Eigen::Index samples, Part part);
   DrivenSection section_of_body(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s);
   bool has_reference(int wheel, Eigen::Index first, Eigen::Index count) const;
   std::optional<int> speed_wheel(Eigen::Index first, Eigen::Index count) const;

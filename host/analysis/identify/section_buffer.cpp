@@ -108,9 +108,7 @@ HarmonicReading SectionBuffer::harmonic(Eigen::Index samples, const Eigen::Vecto
 DriveMoments SectionBuffer::moments(Eigen::Index samples, const Eigen::Vector4d& omega, double speed_m_s) {
   const Taper& taper = window(samples).taper;
   DriveMoments sum;
-  sum.sections = 1;
-  sum.seconds = seconds(samples);
-  sum.speed_seconds = sum.seconds * speed_m_s;
+  sum.count(seconds(samples), speed_m_s);
   add_chassis(sum, taper);
   for (int wheel = 0; wheel < kWheels; ++wheel) add_tyre(sum, taper, wheel, omega(wheel));
   return sum;
