@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstdio>
 #include <fstream>
+#include <numbers>
 #include <optional>
 
 #include "common/types/angle_units.hpp"
@@ -128,14 +129,17 @@ const Hazard& real_road() {
       .spread = "sigmas = 1.0\nforward_hz = [15, 30]\n",
       .sensor =
           "tilt_deg = 1.0\ngain = 0.03\nbracket_hz = [80, 250]\nmounting_noise_m_s2 = [0, 0.1]\n"
-          "filter = 0.03\n"};
+          "filter = 0.03\n",
+      .gain_sigma = 0.03 / std::numbers::sqrt3};
   return kAll;
 }
 
 Json real_drive_errors(const RealDrive& drive, std::uint64_t seed, const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / ("real-" + std::to_string(seed) + ".toml");
   std::ofstream(file) << scenario_of(drive);  // one that is not written is not found
-  const VehicleConfig vehicle = car_of_a_stranger();
+  VehicleConfig vehicle = car_of_a_stranger();
+  for (NodeConfig& node : vehicle.node)
+    for (ChannelConfig& channel : node.channel) channel.gain_sigma = drive.hazard.gain_sigma;
   DriveEstimator estimator(vehicle);
   simulate_drive(vehicle, file.string() + "?seed=" + std::to_string(seed) + "&rate=max", {},
                  [&](const SealedBlock& block) { estimator.consume(block); });

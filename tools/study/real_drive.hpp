@@ -21,6 +21,8 @@ struct Hazard {
   std::string road{}, tyre{}, damper{}, spread{}, sensor{};  ///< lines of TOML
   /// Radial force on the front left wheel, N.
   double radial_force_n = 0.0;
+  /// That vehicle.toml states of the gains.
+  double gain_sigma = 0.01;
 };
 
 /// One at a time.
@@ -29,7 +31,7 @@ std::span<const Hazard> hazards();
 const Hazard& real_road();
 
 /// A drive of the demonstration car whose masses, inertias and sensors are known no better than another's,
-/// put to the posterior behind nodes, blocks, rings and the identification's grid.
+/// identified behind nodes, blocks, rings and the identification's grid.
 struct RealDrive {
   Hazard hazard;
   std::string road_class = "A";

@@ -39,7 +39,8 @@ std::optional<PosteriorCar> SolvedCar::with(std::span<const LineMoments> lines) 
   for (std::size_t a = 0; a < quantities.size(); ++a) {
     const auto at = static_cast<Eigen::Index>(a);
     const double variance = heard.covariance(at, at);
-    constexpr double kLeastTold = 1e-4;  // of the prior's variance
+    // Of the prior's variance: what the drive hardly tells of follows the model's own small faults.
+    constexpr double kLeastTold = 0.1;
     Deviation deviation = measured(quantities[a], v, std::sqrt(variance));
     deviation.sigmas = v(at) / std::sqrt(std::max(kLeastTold, 1.0 - variance));
     if (quantities[a].kind == UncertainQuantity::Kind::kParameter)

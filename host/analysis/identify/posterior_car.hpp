@@ -20,7 +20,7 @@ struct Deviation {
   double value;  ///< found: of parameters in their units, of gains 1, of friction N, of rebound a share
   double sigma;  ///< of it
   /// Of what was taken for known together with what the drive tells: where all is as it is taken for, a
-  /// standard normal variable.
+  /// standard normal variable, or less where the drive tells little.
   double sigmas;
 };
 
