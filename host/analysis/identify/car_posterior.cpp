@@ -114,10 +114,12 @@ struct CarPosterior::Equations {
 
 /// The equations at one frequency.
 struct CarPosterior::Bin {
-  MatrixXcd integral;         ///< [motion x channels]
-  MatrixXcd residual;         ///< R
-  MatrixXcd force;            ///< [4 x channels]
-  Eigen::Vector4cd softness;  ///< 1 / c
+  Eigen::ArrayXd unbracketed;  ///< [motion]
+  Eigen::ArrayXd by_bracket;   ///< [channel] its logarithm's derivative by that unknown
+  MatrixXcd integral;          ///< [motion x channels]
+  MatrixXcd residual;          ///< R
+  MatrixXcd force;             ///< [4 x channels]
+  Eigen::Vector4cd softness;   ///< 1 / c
   /// Forces and heights of the four wheels, of the front ones, of the rear ones to the road: [diag(1 / c),
   /// 1].
   Eigen::Matrix<Complex, kWheels, kRows> to_road;
@@ -127,8 +129,11 @@ struct CarPosterior::Bin {
   MatrixXcd weight;         ///< (R R^H)^-1
   double log_determinant;   ///< log det R R^H - 2 log |det [U; R]|
 
-  Bin(const Equations& of, Index residuals, Index channels, double omega, MatrixXcd integral_of)
-      : integral(std::move(integral_of)) {
+  Bin(const Equations& of, Index residuals, Index channels, double omega, const MatrixXcd& integral_of,
+      Eigen::ArrayXd unbracketed_of)
+      : unbracketed(std::move(unbracketed_of)),
+        by_bracket(Eigen::ArrayXd::Zero(channels)),
+        integral(unbracketed.matrix().cast<Complex>().asDiagonal() * integral_of) {
     residual = rows_of(of.rows.topRows(residuals), integral);
     force = rows_of(of.rows.middleRows(residuals, kWheels), integral);
     for (Index i = 0; i < kWheels; ++i) softness(i) = 1.0 / of.tyre_at(i, omega);
@@ -146,6 +151,12 @@ struct CarPosterior::Bin {
     weight = llt.solve(MatrixXcd::Identity(residuals, residuals));
     log_determinant = 2.0 * MatrixXcd(llt.matrixL()).diagonal().real().array().log().sum() -
                       2.0 * lu.matrixLU().diagonal().array().abs().log().sum();
+  }
+
+  /// Of motion, the share of the brackets taken off.
+  MatrixXcd without_brackets(const MatrixXcd& x) const {
+    return unbracketed.matrix().cast<Complex>().asDiagonal() * x *
+           unbracketed.matrix().cast<Complex>().asDiagonal();
   }
 };
 
@@ -178,7 +189,24 @@ struct CarPosterior::Roads {
 struct CarPosterior::Slopes {
   MatrixXd by_residual, by_road;  ///< dJ = 2 tr(d rows * these)
   MatrixXcd by_softness;          ///< [bin x wheel] dJ = Re sum these d(1 / c)
+  VectorXd by_bracket;            ///< [channel] of a bracket's unknown
+
+  /// What a bin's rows [r x motion] give, of which dJ = 2 tr(d rows * by_rows).
+  void add_brackets(const MatrixXd& rows, const MatrixXd& by_rows, const Bin& bin) {
+    const VectorXd by_motion = rows.transpose().cwiseProduct(by_rows).rowwise().sum();
+    const Index channels = by_bracket.size();
+    for (int k = 0; k < 3; ++k)
+      by_bracket.array() += 2.0 * bin.by_bracket * by_motion.segment(k * channels, channels).array();
+  }
 };
+
+Eigen::ArrayXd unbracketed(const VectorXd& brackets_s2, Index motion, double omega) {
+  const double f_hz = omega / (2.0 * std::numbers::pi);
+  Eigen::ArrayXd factors = Eigen::ArrayXd::Ones(motion);
+  for (int k = 0; k < 3; ++k)
+    factors.segment(k * brackets_s2.size(), brackets_s2.size()) -= f_hz * f_hz * brackets_s2.array();
+  return factors;
+}
 
 CarPrior CarPrior::of(const VehicleConfig& vehicle) {
   constexpr double kStiffness = 0.3, kDamping = 0.5;
@@ -202,6 +230,8 @@ CarPrior CarPrior::of(const VehicleConfig& vehicle) {
   prior.friction_sigma_n = 50.0;
   prior.rebound_sigma = 0.5;
   prior.strut_sigma = 0.2;
+  constexpr double kBracket_hz = 130.0;
+  prior.bracket_sigma_s2 = 1.0 / (kBracket_hz * kBracket_hz);
   prior.noise_m2_s4_hz = kLeastNoise_m_s2 * kLeastNoise_m_s2 / vehicle.drive.identification_rate_hz;
   return prior;
 }
@@ -225,6 +255,7 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<SpeedOnRoad> speed
   if (prior.friction_sigma_n > 0.0) friction_ = std::exchange(known_, known_ + kWheels);
   if (prior.rebound_sigma > 0.0) rebound_ = std::exchange(known_, known_ + kWheels);
   if (prior.strut_sigma > 0.0) strut_ = known_++;
+  if (prior.bracket_sigma_s2 > 0.0) bracket_ = std::exchange(known_, known_ + channels_);
   for (const SpeedOnRoad& speed : speeds_) roads_ = std::max(roads_, speed.road + 1);
   size_ = curves_of(roads_);
   const Eigen::JacobiSVD<MatrixXd> svd(prior.sensors, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -354,7 +385,26 @@ std::vector<UncertainQuantity> CarPosterior::quantities() const {
   for (Index i = 0; i < kWheels && friction_ >= 0; ++i) all.push_back({Kind::kFriction, i});
   for (Index i = 0; i < kWheels && rebound_ >= 0; ++i) all.push_back({Kind::kRebound, i});
   if (strut_ >= 0) all.push_back({Kind::kStruts, 0});
+  for (Index c = 0; c < channels_ && bracket_ >= 0; ++c) all.push_back({Kind::kBracket, c});
   return all;
+}
+
+VectorXd CarPosterior::brackets_s2(const VectorXd& v) const {
+  if (bracket_ < 0) return VectorXd::Zero(channels_);
+  return prior_.bracket_sigma_s2 * v.segment(bracket_, channels_);
+}
+
+/// Derivative of the equations' rows by an unknown in a bin, on motion without the brackets' share.
+MatrixXd CarPosterior::rows_at(const System& of, const std::vector<MatrixXd>& rows_by, Index unknown,
+                               Index bin) const {
+  if (bracket_ < 0 || unknown < bracket_) return rows_by[static_cast<std::size_t>(unknown)];
+  const Index c = unknown - bracket_;
+  const MatrixXd& rows = of.equations.rows;
+  MatrixXd by = MatrixXd::Zero(rows.rows(), rows.cols());
+  for (int k = 0; k < 3; ++k)
+    by.col(k * channels_ + c) =
+        of.bin[static_cast<std::size_t>(bin)].by_bracket(c) * rows.col(k * channels_ + c);
+  return by;
 }
 
 /// Of the struts' forces in the wheels' rows.
@@ -436,8 +486,14 @@ CarPosterior::System CarPosterior::system(const VectorXd& v) const {
   of.rear_rows.resize(kWheels, motion_);
   of.rear_rows << of.road_rows.middleRows(2, 2), of.road_rows.bottomRows(2);
   of.bin.reserve(static_cast<std::size_t>(bins_));
-  for (Index k = 0; k < bins_; ++k)
-    of.bin.emplace_back(of.equations, residuals_, channels_, omega(k), integrals(omega(k)));
+  const VectorXd brackets = brackets_s2(v);
+  for (Index k = 0; k < bins_; ++k) {
+    of.bin.emplace_back(of.equations, residuals_, channels_, omega(k), integrals(omega(k)),
+                        roadbalance::unbracketed(brackets, motion_, omega(k)));
+    Bin& bin = of.bin.back();
+    const double f_hz = omega(k) / (2.0 * std::numbers::pi);
+    bin.by_bracket = -prior_.bracket_sigma_s2 * f_hz * f_hz / bin.unbracketed.head(channels_);
+  }
   return of;
 }
 
@@ -505,7 +561,10 @@ std::vector<CarPosterior::Band> CarPosterior::bands(const System& of) const {
     const auto b = static_cast<std::size_t>(k);
     band.bins.push_back(k);
     band.count += static_cast<double>(residuals_) * count_(k);
-    band.power += (of.bin[b].weight * sandwich(of.residual_rows, same_[b], of.residual_rows)).trace().real();
+    band.power += (of.bin[b].weight *
+                   sandwich(of.residual_rows, of.bin[b].without_brackets(same_[b]), of.residual_rows))
+                      .trace()
+                      .real();
   }
   std::erase_if(all, [](const Band& band) { return band.count <= 0.0; });
   for (Band& band : all) band.level = std::max(band.power / band.count, prior_.noise_m2_s4_hz);
@@ -520,10 +579,12 @@ CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v, con
     if (!is_of_road(k) || speed.count(k) <= 0.0) continue;
     const auto b = static_cast<std::size_t>(k);
     const Bin& bin = of.bin[b];
-    Eigen::Matrix4cd u =
-        bin.to_road * sandwich(of.road_rows, speed.same[b], of.road_rows) * bin.to_road.adjoint();
-    u.topRightCorner<2, 2>() =
-        bin.to_front * sandwich(of.front_rows, speed.delayed[b], of.rear_rows) * bin.to_rear.adjoint();
+    Eigen::Matrix4cd u = bin.to_road *
+                         sandwich(of.road_rows, bin.without_brackets(speed.same[b]), of.road_rows) *
+                         bin.to_road.adjoint();
+    u.topRightCorner<2, 2>() = bin.to_front *
+                               sandwich(of.front_rows, bin.without_brackets(speed.delayed[b]), of.rear_rows) *
+                               bin.to_rear.adjoint();
     u.bottomLeftCorner<2, 2>() = u.topRightCorner<2, 2>().adjoint().eval();
     const double left = std::exp(-0.5 * curves(k, 0)), right = std::exp(-0.5 * curves(k, 1));
     const Eigen::Matrix4d whitening = mixing(curves(k, 2), swap_sides()) *
@@ -548,7 +609,7 @@ double CarPosterior::evaluate(const VectorXd& v, VectorXd* gradient) const {
   if (gradient) {
     gradient->setZero(size_);
     slopes = Slopes{MatrixXd::Zero(motion_, residuals_), MatrixXd::Zero(motion_, kRows),
-                    MatrixXcd::Zero(bins_, kWheels)};
+                    MatrixXcd::Zero(bins_, kWheels), VectorXd::Zero(channels_)};
   }
   double value = body_value(of, slopes ? &*slopes : nullptr);
   for (const SpeedOnRoad& speed : speeds_)
@@ -564,12 +625,14 @@ double CarPosterior::body_value(const System& of, Slopes* slopes) const {
     if (!slopes) continue;
     for (const Index k : band.bins) {
       const Bin& bin = of.bin[static_cast<std::size_t>(k)];
-      const MatrixXcd& x = same_[static_cast<std::size_t>(k)];
+      const MatrixXcd x = bin.without_brackets(same_[static_cast<std::size_t>(k)]);
       const MatrixXcd all = sandwich(of.residual_rows, x, of.residual_rows);
-      slopes->by_residual += (onto(x, of.residual_rows) * bin.weight -
-                              bin.integral * bin.residual.adjoint() * bin.weight * all * bin.weight)
-                                 .real() /
-                             band.level;
+      const MatrixXd by_rows = (onto(x, of.residual_rows) * bin.weight -
+                                bin.integral * bin.residual.adjoint() * bin.weight * all * bin.weight)
+                                   .real() /
+                               band.level;
+      slopes->by_residual += by_rows;
+      slopes->add_brackets(of.residual_rows, by_rows, bin);
     }
   }
   return value;
@@ -607,20 +670,23 @@ void CarPosterior::add_road_slopes(const System& of, const SpeedOnRoad& on, cons
     on_axle.bottomLeftCorner<2, 2>().setZero();
     const Eigen::Matrix2d across = weight.topRightCorner<2, 2>();
 
+    MatrixXd by_residual = MatrixXd::Zero(motion_, residuals_), by_road = MatrixXd::Zero(motion_, kRows);
+
     // Wheels of one axle.
-    const MatrixXcd half = onto(speed.same[b], of.road_rows);
+    const MatrixXcd delayed = bin.without_brackets(speed.delayed[b]);
+    const MatrixXcd half = onto(bin.without_brackets(speed.same[b]), of.road_rows);
     const MatrixXcd on_map = bin.to_road.adjoint() * on_axle;
-    slopes.by_road += (half * on_map * bin.to_road).real();
+    by_road += (half * on_map * bin.to_road).real();
     const MatrixXcd rows_on = rows_of(of.road_rows, half) * on_map;  // [8 x 4]
     // A front wheel and a rear one.
     const Eigen::Matrix4cd back = bin.to_rear.adjoint() * across.transpose() * bin.to_front;
-    const MatrixXcd by_front = onto(speed.delayed[b], of.rear_rows) * back;
-    const MatrixXcd by_rear = (back * rows_of(of.front_rows, speed.delayed[b])).transpose();
-    slopes.by_road.leftCols(2) += by_front.leftCols(2).real();
-    slopes.by_road.middleCols(kWheels, 2) += by_front.rightCols(2).real();
-    slopes.by_road.middleCols(2, 2) += by_rear.leftCols(2).real();
-    slopes.by_road.rightCols(2) += by_rear.rightCols(2).real();
-    const MatrixXcd between = sandwich(of.front_rows, speed.delayed[b], of.rear_rows);
+    const MatrixXcd by_front = onto(delayed, of.rear_rows) * back;
+    const MatrixXcd by_rear = (back * rows_of(of.front_rows, delayed)).transpose();
+    by_road.leftCols(2) += by_front.leftCols(2).real();
+    by_road.middleCols(kWheels, 2) += by_front.rightCols(2).real();
+    by_road.middleCols(2, 2) += by_rear.leftCols(2).real();
+    by_road.rightCols(2) += by_rear.rightCols(2).real();
+    const MatrixXcd between = sandwich(of.front_rows, delayed, of.rear_rows);
     const MatrixXcd front_on = between * bin.to_rear.adjoint() * across.transpose();  // [4 x 2]
     const MatrixXcd rear_on = across.transpose() * bin.to_front * between;            // [2 x 4]
     for (Index i = 0; i < kWheels; ++i)
@@ -629,11 +695,15 @@ void CarPosterior::add_road_slopes(const System& of, const SpeedOnRoad& on, cons
                  n * (bin.force.row(i) * bin.from_road.col(i)).value());
 
     // log det R R^H - 2 log |det [U; R]|
-    slopes.by_residual +=
-        n * (bin.integral * (bin.residual.adjoint() * bin.weight - bin.from_residual)).real();
+    by_residual += n * (bin.integral * (bin.residual.adjoint() * bin.weight - bin.from_residual)).real();
     const MatrixXcd by_height = bin.integral * bin.from_road;
-    slopes.by_road.leftCols(kWheels) -= n * (by_height * bin.softness.asDiagonal()).real();
-    slopes.by_road.rightCols(kWheels) -= n * by_height.real();
+    by_road.leftCols(kWheels) -= n * (by_height * bin.softness.asDiagonal()).real();
+    by_road.rightCols(kWheels) -= n * by_height.real();
+
+    slopes.by_residual += by_residual;
+    slopes.by_road += by_road;
+    slopes.add_brackets(of.residual_rows, by_residual, bin);
+    slopes.add_brackets(of.road_rows, by_road, bin);
 
     const Eigen::Matrix4d share = weight.cwiseProduct(roads.road[at].real());
     for (int side = 0; side < kSides; ++side)
@@ -653,7 +723,8 @@ void CarPosterior::add_slopes(const System& of, const VectorXd& v, const Slopes&
                               VectorXd& gradient) const {
   MatrixXd by_rows(motion_, residuals_ + kRows);
   by_rows << slopes.by_residual, slopes.by_road;
-  for (Index a = 0; a < known_; ++a)
+  if (bracket_ >= 0) gradient.segment(bracket_, channels_) += slopes.by_bracket;
+  for (Index a = 0; a < (bracket_ < 0 ? known_ : bracket_); ++a)
     gradient(a) += 2.0 * equations_by(v, of.equations, a).transpose().cwiseProduct(by_rows).sum();
   for (std::size_t a = 0; a < parameter_.size(); ++a) {
     const int p = parameter_[a];
@@ -693,7 +764,8 @@ MatrixXcd CarPosterior::road_by(const System& of, Index k, const MatrixXd& rows,
 MatrixXd CarPosterior::information(const VectorXd& v) const {
   const System of = system(v);
   std::vector<MatrixXd> rows_by;
-  for (Index a = 0; a < known_; ++a) rows_by.push_back(equations_by(v, of.equations, a));
+  for (Index a = 0; a < (bracket_ < 0 ? known_ : bracket_); ++a)
+    rows_by.push_back(equations_by(v, of.equations, a));
   MatrixXd information = MatrixXd::Zero(size_, size_);
   add_body_information(of, rows_by, information);
   for (const SpeedOnRoad& speed : speeds_) add_road_information(of, v, speed, rows_by, information);
@@ -709,15 +781,18 @@ void CarPosterior::add_body_information(const System& of, const std::vector<Matr
       const auto b = static_cast<std::size_t>(k);
       const Bin& bin = of.bin[b];
       // Of what was measured, less the noise, which is bin.weight's inverse at the band's level.
-      for (std::size_t a = 0; a < rows_by.size(); ++a) {
-        const MatrixXd change = rows_by[a].topRows(residuals_);
-        const MatrixXcd measured = bin.weight * rows_of(change, same_[b]) / band.level;
+      const MatrixXcd x = bin.without_brackets(same_[b]);
+      std::vector<MatrixXd> changes;
+      for (Index a = 0; a < known_; ++a) changes.push_back(rows_at(of, rows_by, a, k).topRows(residuals_));
+      for (std::size_t a = 0; a < changes.size(); ++a) {
+        const MatrixXd& change = changes[a];
+        const MatrixXcd measured = bin.weight * rows_of(change, x) / band.level;
         const MatrixXcd noise =
             count_(k) * bin.weight * rows_of(change, bin.integral) * bin.integral.adjoint();
         const MatrixXcd signal = measured - noise;
         for (std::size_t c = 0; c <= a; ++c)
           information(static_cast<Index>(a), static_cast<Index>(c)) +=
-              2.0 * signal.real().cwiseProduct(rows_by[c].topRows(residuals_)).sum();
+              2.0 * signal.real().cwiseProduct(changes[c]).sum();
       }
     }
   }
@@ -754,7 +829,7 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
     whitening.rightCols<2>() *= std::polar(1.0, omega(k) * speed.delay_s());
     const Eigen::Matrix4cd back = whitening.inverse();
     for (Index a = 0; a < known_; ++a)
-      put(a, whitening * road_by(of, k, rows_by[static_cast<std::size_t>(a)], a) * back);
+      put(a, whitening * road_by(of, k, rows_at(of, rows_by, a, k), a) * back);
     for (int c = 0; c < kCurves; ++c) {
       Eigen::Matrix4cd change = Eigen::Matrix4cd::Zero();
       if (c < kSides)
@@ -835,7 +910,8 @@ class CurvatureBySteps {
 PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& start) {
   constexpr int kScoring = 6;  ///< steps by the information; those to come by what the steps show as well
   constexpr int kMostSteps = 60;
-  constexpr double kEnough = 1e-2;  ///< of twice what J gains: a step of a tenth of a standard deviation
+  constexpr double kRounding = 1e-11;  ///< of J, a sum of thousands that cancel
+  constexpr double kEnough = 1e-2;     ///< of twice what J gains: a step of a tenth of a standard deviation
   PosteriorMode mode{.v = start, .covariance = {}};
   VectorXd gradient, before;
   mode.value = posterior.value(mode.v, gradient);
@@ -852,14 +928,15 @@ PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& star
     }
     const double gain = -step.dot(gradient);
     if (!(gain > 0.0)) break;
-    if (gain < kEnough) mode.converged = true;
+    if (gain < std::max(kEnough, kRounding * std::abs(mode.value))) mode.converged = true;
     double part = 1.0;
     double value = posterior.value(mode.v + step);
-    while (!(value < mode.value + 1e-9) && part > 1e-3) {
+    const double most = mode.value + 1e-9;
+    while (!(value < most) && part > 1e-3) {
       part *= 0.5;
       value = posterior.value(mode.v + part * step);
     }
-    if (!(value < mode.value + 1e-9)) break;
+    if (!(value < most)) break;
     mode.v += part * step;
     before = gradient;
     mode.value = posterior.value(mode.v, gradient);

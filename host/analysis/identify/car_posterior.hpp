@@ -28,15 +28,22 @@ struct CarPrior {
   /// Of a factor of the struts' forces in the wheels' rows, as far as the road tells it: where struts are not
   /// linear it takes up what would else be a wrong ratio of body to wheel masses.
   double strut_sigma = 0.0;
+  /// Of a channel's bracket, by which it reads 1 / (1 - b f^2) of what it is meant to: b = 1 / (its
+  /// resonance)^2, 1/Hz^2.
+  double bracket_sigma_s2 = 0.0;
 
   /// As vehicle.toml has it.  Springs and tyres are good to 30 %, dampers and stabilisers to 50 %.
   /// @throws ConfigError as SensorMap::from
   static CarPrior of(const VehicleConfig& vehicle);
 };
 
+/// Factors of the motion's rows [3 m + n] that take a bracket's share off at that frequency: 1 - b f^2.
+/// @param brackets_s2  [channel]
+Eigen::ArrayXd unbracketed(const Eigen::VectorXd& brackets_s2, Eigen::Index motion, double omega);
+
 /// A quantity of car or sensors that CarPosterior does not know exactly.
 struct UncertainQuantity {
-  enum class Kind { kParameter, kGain, kFriction, kRebound, kStruts };
+  enum class Kind { kParameter, kGain, kFriction, kRebound, kStruts, kBracket };
   Kind kind;
   Eigen::Index index;  ///< parameter, channel or wheel
 };
@@ -96,11 +103,13 @@ class CarPosterior {
   /// [unknown of car and sensors]
   std::vector<UncertainQuantity> quantities() const;
   Eigen::Vector4d friction_n(const Eigen::VectorXd& v) const;
-  Eigen::Vector4d rebound(const Eigen::VectorXd& v) const;  ///< share that a damper has more in rebound
-  double strut_factor(const Eigen::VectorXd& v) const;      ///< of their forces in the wheels' rows
+  Eigen::Vector4d rebound(const Eigen::VectorXd& v) const;      ///< share that a damper has more in rebound
+  Eigen::VectorXd brackets_s2(const Eigen::VectorXd& v) const;  ///< [channel] b
+  Eigen::Index first_bracket() const { return bracket_; }       ///< of the unknowns; -1: there is none
+  double strut_factor(const Eigen::VectorXd& v) const;          ///< of their forces in the wheels' rows
   /// Rows of (1) of the four wheels, tyres included, on accelerations, velocities and displacements of the
   /// channels and the struts' signals [4 x motion]: what they leave is the unbalances' force and ct_i + j om
-  /// dt_i times the road.
+  /// dt_i times the road.  On motion of which the brackets' share is taken off (unbracketed).
   Eigen::MatrixXd wheel_forces(const Eigen::VectorXd& v) const;
   /// Unknowns of the car and its sensors; those of the road's curves follow.
   Eigen::Index known() const { return known_; }
@@ -128,6 +137,8 @@ class CarPosterior {
   Equations equations(const Eigen::VectorXd& v) const;
   Eigen::MatrixXd equations_by(const Eigen::VectorXd& v, const Equations& of, Eigen::Index unknown) const;
   System system(const Eigen::VectorXd& v) const;
+  Eigen::MatrixXd rows_at(const System& of, const std::vector<Eigen::MatrixXd>& rows_by, Eigen::Index unknown,
+                          Eigen::Index bin) const;
   Eigen::MatrixXd curves(const Eigen::VectorXd& v, const SpeedOnRoad& speed) const;
   std::vector<Eigen::ArrayXd> curve_by(const SpectralMoments& speed) const;
   std::vector<Band> bands(const System& of) const;
@@ -161,8 +172,8 @@ class CarPosterior {
   std::vector<Eigen::MatrixXcd> same_;  ///< of all speeds, in the bins of the body
   Eigen::ArrayXd count_;                ///< of all speeds
   Eigen::Index channels_, motion_, bins_, residuals_, known_, size_;
-  Eigen::Index friction_ = -1, rebound_ = -1,
-               strut_ = -1;  ///< first of them among the unknowns; -1: there is none
+  Eigen::Index friction_ = -1, rebound_ = -1, strut_ = -1,
+               bracket_ = -1;  ///< first of them among the unknowns; -1: there is none
   Eigen::Matrix<double, kWheels, kCoordinates> stretch_;
   /// Of the struts' signals by their rates: what a linear element would have that does as much.
   Eigen::Matrix<double, kStrutSignals, kWheels> linear_;

@@ -68,6 +68,8 @@ Deviation SolvedCar::measured(const UncertainQuantity& of, const Eigen::VectorXd
       return {of, car_.friction_n(v)(of.index), sigma * prior.friction_sigma_n, 0.0};
     case Kind::kRebound:
       return {of, car_.rebound(v)(of.index), sigma * prior.rebound_sigma, 0.0};
+    case Kind::kBracket:
+      return {of, car_.brackets_s2(v)(of.index), sigma * prior.bracket_sigma_s2, 0.0};
     case Kind::kStruts:
       break;
   }

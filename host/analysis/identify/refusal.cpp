@@ -64,6 +64,9 @@ std::string found_sentence(const Deviation& off, const CarPrior& prior, const Ve
     case Kind::kRebound:
       return format("%s: its damper seems %.0f ± %.0f %% harder in rebound than in the mean",
                     wheel_name(at).c_str(), 100.0 * off.value, 100.0 * off.sigma);
+    case Kind::kBracket:
+      return format("%s: its bracket seems to resonate at %.0f Hz", channel_name(at, vehicle).c_str(),
+                    1.0 / std::sqrt(std::abs(off.value)));
     case Kind::kStruts:
       break;
   }
@@ -79,6 +82,8 @@ const char* advice(Kind kind) {
              "ranges";
     case Kind::kGain:
       return "look at its place, direction and range in vehicle.toml and at its mounting, and calibrate it";
+    case Kind::kBracket:
+      return "make its mounting stiffer, or put it elsewhere";
     case Kind::kFriction:
     case Kind::kRebound:
       return "look at the strut, and at the places of the sensors above and below it in vehicle.toml";

@@ -45,12 +45,13 @@ UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorM
                                        std::span<const LineMoments> lines) {
   constexpr double kStep = 1e-3;  // of a standard deviation, for differences: forces are almost linear
   const Index known = car.known();
-  const MatrixXd forces = car.wheel_forces(mode.v);
-  std::vector<MatrixXd> forces_by;
-  for (Index a = 0; a < known; ++a) {
+  const MatrixXd rigid_forces = car.wheel_forces(mode.v);
+  const Index brackets = car.first_bracket();
+  std::vector<MatrixXd> rigid_forces_by;
+  for (Index a = 0; a < (brackets < 0 ? known : brackets); ++a) {
     VectorXd moved = mode.v;
     moved(a) += kStep;
-    forces_by.push_back((car.wheel_forces(moved) - forces) / kStep);
+    rigid_forces_by.push_back((car.wheel_forces(moved) - rigid_forces) / kStep);
   }
 
   // Unknowns: U, then R by axes, then v - v_0.
@@ -62,6 +63,16 @@ UnbalancePosterior unbalance_posterior(const CarPosterior& car, const PosteriorM
   AxesVector squares = AxesVector::Zero(), fourths = AxesVector::Zero();
   for (const LineMoments& moments : lines) {
     if (moments.normal.isZero()) continue;
+    const double line = moments.omega().maxCoeff();
+    const auto mounted = unbracketed(car.brackets_s2(mode.v), rigid_forces.cols(), line).matrix().eval();
+    const MatrixXd forces = rigid_forces * mounted.asDiagonal();
+    std::vector<MatrixXd> forces_by;
+    for (const MatrixXd& by : rigid_forces_by) forces_by.push_back(by * mounted.asDiagonal());
+    for (Index c = 0; brackets >= 0 && c < car.channels(); ++c) {
+      const VectorXd one = car.prior().bracket_sigma_s2 * VectorXd::Unit(car.channels(), c);
+      forces_by.push_back(rigid_forces *
+                          (unbracketed(one, rigid_forces.cols(), line) - 1.0).matrix().asDiagonal());
+    }
     const AxesVector omega = moments.omega()(Eigen::ArrayXi::LinSpaced(kAxes, 0, kAxes - 1) / 2);
     const AxesVector square = omega.cwiseAbs2();
     squares += moments.seconds * square;

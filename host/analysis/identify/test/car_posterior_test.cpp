@@ -129,6 +129,7 @@ CarPrior car_with_any_struts() {
   car.friction_sigma_n = 50.0;
   car.rebound_sigma = 0.5;
   car.strut_sigma = 0.2;
+  car.bracket_sigma_s2 = 5e-5;
   return car;
 }
 const Drive kStruts{.friction_linear = 20.0, .strut_rest = 1e-3};
