@@ -100,19 +100,26 @@ void lines(Archive& archive, LineMoments& m) {
   matrix(archive, m.turned_rad);
 }
 
+/// Values by class of speed: those there are, or as many as the archive holds.
+template <typename Archive, typename Value, typename One>
+void by_speed(Archive& archive, std::map<int, Value>& all, const One& one) {
+  std::uint64_t count = all.size();
+  archive(count);
+  auto next = all.begin();
+  while (count-- > 0) {
+    int speed = next == all.end() ? 0 : next->first;
+    archive(speed);
+    one(all[speed]);
+    if (next != all.end()) ++next;
+  }
+}
+
 template <typename Archive>
 void posterior(Archive& archive, PosteriorSums& sums) {
-  std::uint64_t count = sums.speed.size();
-  archive(count);
-  auto next = sums.speed.begin();
-  for (std::uint64_t k = 0; k < count; ++k) {
-    int speed = next == sums.speed.end() ? 0 : next->first;
-    archive(speed);
-    PosteriorSums::Speed& at = sums.speed[speed];
-    spectra(archive, at.spectra);
-    lines(archive, at.lines);
-    if (next != sums.speed.end()) ++next;
-  }
+  by_speed(archive, sums.speed, [&archive](PosteriorSums::Speed& speed) {
+    spectra(archive, speed.spectra);
+    lines(archive, speed.lines);
+  });
   archive(sums.cut_s);
 }
 
@@ -145,13 +152,7 @@ std::vector<char> encode(const DriveSums& of) {
   double width_m_s = sums.classes.width_m_s();
   writer(width_m_s);
   std::map<int, SpeedClasses::Class> classes = sums.classes.classes();
-  std::uint64_t count = classes.size();
-  writer(count);
-  for (auto& [key, each] : classes) {
-    int speed = key;
-    writer(speed);
-    one_class(writer, each);
-  }
+  by_speed(writer, classes, [&writer](SpeedClasses::Class& each) { one_class(writer, each); });
   rest(writer, sums);
   return writer.bytes;
 }
@@ -160,15 +161,9 @@ std::optional<DriveSums> decode_drive_sums(std::span<const char> bytes) {
   ByteReader reader(bytes);
   try {
     double width_m_s = 0.0;
-    std::uint64_t count = 0;
     reader(width_m_s);
-    reader(count);
     std::map<int, SpeedClasses::Class> classes;
-    while (count-- > 0) {
-      int speed = 0;
-      reader(speed);
-      one_class(reader, classes[speed]);
-    }
+    by_speed(reader, classes, [&reader](SpeedClasses::Class& each) { one_class(reader, each); });
     DriveSums sums(width_m_s);
     sums.classes = SpeedClasses(width_m_s, classes);
     rest(reader, sums);

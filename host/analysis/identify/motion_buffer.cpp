@@ -56,19 +56,15 @@ void MotionBuffer::reset() {
   keep(0);
 }
 
-void MotionBuffer::filter(const Eigen::Ref<const Eigen::VectorXd>& readings) {
+void MotionBuffer::settle(const Eigen::Ref<const Eigen::VectorXd>& readings) {
   with_struts_.head(channels_) = readings;
   struts_.update(readings.array(), with_struts_.tail<kStrutSignals>().array());
   integrals_.update(with_struts_.array(), moved_.array());
   settling_ = std::max<Index>(0, settling_ - 1);
 }
 
-void MotionBuffer::settle(const Eigen::Ref<const Eigen::VectorXd>& readings) {
-  filter(readings);
-}
-
 void MotionBuffer::push(const Eigen::Ref<const Eigen::VectorXd>& readings, const SignalVector& signals) {
-  filter(readings);
+  settle(readings);
   readings_.col(filled_) = with_struts_;
   motion_.col(filled_) = moved_;
   for (int i = 0; i < kWheels; ++i) {

@@ -56,7 +56,6 @@ class MotionBuffer {
                        double rolling_radius_m);
 
  private:
-  void filter(const Eigen::Ref<const Eigen::VectorXd>& readings);
   void drop(Eigen::Index count);
 
   double rate_hz_;

@@ -44,7 +44,6 @@ class SolvedCar {
   /// Nothing: the search came to no end.
   /// @param lines  of the wheels, each of about one speed
   std::optional<PosteriorCar> with(std::span<const LineMoments> lines) const;
-  int steps() const { return mode_.steps; }  ///< that the search took
 
  private:
   Deviation measured(const UncertainQuantity& of, const Eigen::VectorXd& v, double sigma) const;

@@ -23,9 +23,6 @@ class MotionIntegrals {
  public:
   MotionIntegrals(Eigen::Index channels, Eigen::Index further, double rate_hz);
 
-  /// Settled so long after the first sample: e^-7.
-  static constexpr double kSettling_s = 4.0;
-
   /// The next sample.  Never allocates.
   /// @param signals  [channels + further] m/s^2 of the channels
   /// @param motion   [3 channels + further] m/s^2, m/s, m, and as they are

@@ -68,6 +68,7 @@ TEST(OnlineEstimate, IsANewOneEverySecondAndTheSameWhenItIsAskedForOnceOnly) {
     EXPECT_LE(a.balance[w].sigma_drive_g, a.balance[w].sigma_g);
     EXPECT_LT(a.balance[w].sigma_g, a.balance[w].sigma_alone_g);
     EXPECT_LT(a.balance[w].sigma_force_n, kRadialForceSigma_n) << "the drive tells something of it";
+    EXPECT_LT(a.balance[w].force_n, 3.5 * a.balance[w].sigma_force_n) << "there is none";
   }
 }
 
