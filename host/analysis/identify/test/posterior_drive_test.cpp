@@ -6,6 +6,7 @@
 
 #include "common/vehicle/sensor_map.hpp"
 #include "host/analysis/identify/drive_posterior.hpp"
+#include "host/analysis/identify/refusal.hpp"
 #include "sim/drawn_car.hpp"
 #include "tools/study/estimator_trial.hpp"
 #include "tools/study/ideal_drive.hpp"
@@ -142,6 +143,38 @@ INSTANTIATE_TEST_SUITE_P(
                            s.tyre.radial_force_n[0] = {20.0, 60.0};
                          },
                          kGain}));
+
+// A road so smooth, and sensors so noisy, that most of what is measured is noise: there is no estimate, or
+// its ellipses hold.
+TEST(PosteriorOfANoisyDrive, IsNoneOrHoldsTheTruth) {
+  constexpr double kLoud_m_s2 = 0.5, kOfTwo = 16.6;
+  const VehicleConfig vehicle = car_of_a_stranger();
+  IdealDrive drive{.scenario = sim::Scenario::read("", vehicle), .speeds_m_s = {}, .samples = 64 * 500};
+  for (const double speed : {90.0, 103.0, 117.0, 130.0}) drive.speeds_m_s.push_back(speed / 3.6);
+  drive.scenario.road.roughness_m3 /= 50.0;
+  const sim::DrawnCar truth = sim::draw_car(drive.scenario, kSeed, vehicle);
+  const CarPrior prior = CarPrior::of(vehicle);
+  const Eigen::MatrixXd to_coordinates = SensorMap::from(vehicle).pseudo_inverse;
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> noise(0.0, kLoud_m_s2);
+  DrivePosterior posterior(prior, vehicle.drive.speed_class_m_s);
+  SectionBuilder sections(
+      vehicle, [&](const DrivenSection& section) { posterior.add(section); }, prior.sensors);
+  for (Stretch& stretch : drive_ideally(drive, kSeed, vehicle)) {
+    for (double& value : stretch.readings.reshaped()) value += noise(random);
+    stretch.signals.topRows<kCoordinates>() = to_coordinates * stretch.readings;
+    for (Eigen::Index k = 0; k < stretch.signals.cols(); ++k)
+      sections.consume(
+          {.signals = stretch.signals.col(k), .readings = stretch.readings.col(k), .restart = k == 0});
+  }
+  const auto found = posterior.solve();
+  if (!refusal(found, prior, vehicle).empty()) return;
+  for (std::size_t w = 0; w < kWheels; ++w)  // the car has no radial forces
+    EXPECT_LT(squares(found->wheel[w].correction_kg_m - truth.wheel[w].unbalance_kg_m,
+                      found->wheel[w].correction_covariance),
+              kOfTwo)
+        << w;
+}
 
 }  // namespace
 }  // namespace roadbalance
