@@ -106,9 +106,10 @@ TEST_F(DemoTest, RecordsEverySampleAndTheRecordingSaysWhatTheLiveRunSaid) {
   ASSERT_EQ(demo["wheels"].size(), 4U);
   for (const Json& wheel : demo["wheels"])
     EXPECT_EQ(keys(wheel), (std::set<std::string>{"name", "unbalance_g", "angle_deg", "sigma_g", "sigma_deg",
-                                                  "covariance_g2", "force_state", "tyre_stiffness_n_m",
-                                                  "force_n", "sigma_force_n", "sigma_tyre_stiffness_n_m",
-                                                  "truth_g", "truth_deg", "truth_tyre_stiffness_n_m"}));
+                                                  "covariance_g2", "force_state", "alone_g", "alone_deg",
+                                                  "sigma_alone_g", "force_n", "force_deg", "sigma_force_n",
+                                                  "tyre_stiffness_n_m", "sigma_tyre_stiffness_n_m", "truth_g",
+                                                  "truth_deg", "truth_tyre_stiffness_n_m"}));
   ASSERT_EQ(demo["nodes"].size(), 2U);
   for (const Json& node : demo["nodes"]) {
     EXPECT_EQ(keys(node),

@@ -104,12 +104,21 @@ TEST(WheelsJson, HoldTheEllipseAndWhetherAForceIsApart) {
   balance[0].state = Unknown::kNone;
   balance[0].covariance_g2 << 4.0, 1.0, 1.0, 9.0;
   balance[0].force_state = ForceState::kNotSeparable;
+  balance[0].alone_g = 12.0;
+  balance[0].sigma_alone_g = 9.0;
+  balance[0].force_n = 20.0;
+  balance[0].sigma_force_n = 30.0;
   const auto wheels = wheels_json({}, balance);
   EXPECT_EQ(wheels[0]["covariance_g2"].dump(), "[[4.0,1.0],[1.0,9.0]]");
   EXPECT_EQ(wheels[0]["force_state"], "not_separable");
-  EXPECT_TRUE(wheels[0]["force_n"].is_null());
+  EXPECT_EQ(wheels[0]["alone_g"], 12.0) << "hardly known, and said with its ±";
+  EXPECT_EQ(wheels[0]["sigma_alone_g"], 9.0);
+  EXPECT_EQ(wheels[0]["force_n"], 20.0);
+  EXPECT_EQ(wheels[0]["sigma_force_n"], 30.0);
   EXPECT_TRUE(wheels[1]["covariance_g2"].is_null());
   EXPECT_TRUE(wheels[1]["force_state"].is_null());
+  EXPECT_TRUE(wheels[1]["alone_g"].is_null());
+  EXPECT_TRUE(wheels[1]["force_n"].is_null());
 }
 
 }  // namespace
