@@ -89,8 +89,8 @@ std::string left_words(const Balance& balance, const Compensation& compensation)
     left += format(", ISO G %.2g%s G %g (%.0f g%s)", verdict.grade_mm_s,
                    verdict.within_iso() ? " within" : " BEYOND", verdict.permissible_grade_mm_s,
                    verdict.permissible_g, verdict.by_rotor ? "" : " by the unsprung mass");
-  return left + format("; of the equivalent unbalance at %.0f–%.0f km/h", 3.6 * balance.least_speed_m_s,
-                       3.6 * balance.greatest_speed_m_s);
+  return left +
+         format("; at %.0f–%.0f km/h", 3.6 * balance.least_speed_m_s, 3.6 * balance.greatest_speed_m_s);
 }
 
 std::vector<std::string> advice_lines(const Balance& balance, const Compensation& compensation) {

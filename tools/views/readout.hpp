@@ -22,8 +22,8 @@ std::vector<std::string> advice_lines(const Balance& balance, const Compensation
 /// The first of these alone: "add 15 g at 37°" for each step, or to leave the wheel alone; none: not known.
 std::vector<std::string> step_words(const Compensation& compensation);
 
-/// The remainder: "leaves 0.6 g, within what a shop leaves (7 g), ...; of the equivalent unbalance at
-/// 90–130 km/h".
+/// The remainder: "leaves 0.6 g, within what a shop leaves (7 g), ...; at 90–130 km/h": the speeds of which
+/// the balance is the correction.
 std::string left_words(const Balance& balance, const Compensation& compensation);
 
 /// "from 48 s of driving; tyres 214 ± 2 209 ± 2 221 ± 3 206 ± 2 kN/m", and who does not fit the model; or why

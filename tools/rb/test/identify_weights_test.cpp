@@ -92,7 +92,7 @@ TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
   for (std::size_t w = 0; w < kWheels; ++w) {
     const Json &wheel = told["wheels"][w], &compensation = told["compensation"][w];
     ASSERT_EQ(compensation["advice"], "steps") << w;
-    EXPECT_EQ(compensation["of"], "equivalent unbalance");
+    EXPECT_EQ(compensation["of"], "correction");
     EXPECT_EQ(compensation["shop_g"], 2.0);
     const auto touched = std::ranges::count_if(compensation["steps"],
                                                [](const Json& step) { return step["action"] != "keep"; });

@@ -81,7 +81,7 @@ TEST(Report, TellsWeightsAtTheirPlaceOnBothSides) {
   EXPECT_TRUE(says(html, "Heavy spot at 217° (clock 7:14)"));
   // 37 degrees of a turn of 190 mm: 0.6458 * 190 = 122.7 mm.
   EXPECT_TRUE(says(html, ">123 mm ahead of the valve.<"));
-  EXPECT_TRUE(says(html, "Leaves 2.6 g, within what a shop leaves (7 g); of the equivalent unbalance at"));
+  EXPECT_TRUE(says(html, "Leaves 2.6 g, within what a shop leaves (7 g); at "));
   EXPECT_TRUE(says(html, "That is 49 g·cm."));
   EXPECT_TRUE(says(html, "Not known: not enough driving at a steady speed yet."));
 }
