@@ -177,8 +177,9 @@ struct CarPosterior::Band {
 
 /// The road at one speed.
 struct CarPosterior::Roads {
-  std::vector<Index> bins;                 ///< that count
-  std::vector<Eigen::Matrix4cd> road;      ///< [of bins] sum of u u^H, the rear wheels advanced
+  std::vector<Index> bins;             ///< that count
+  std::vector<Eigen::Matrix4cd> road;  ///< [of bins] sum of u u^H, the rear wheels advanced
+  std::vector<Complex> later;  ///< [of bins] of front against rear: what the delay is longer than was thought
   std::vector<Eigen::Matrix4d> whitening;  ///< [of bins] W phi^-1/2
   double log_shape = 0.0;                  ///< sum of n log phi over bins and wheels
   Eigen::Matrix4d level = Eigen::Matrix4d::Zero();
@@ -232,6 +233,7 @@ CarPrior CarPrior::of(const VehicleConfig& vehicle) {
   prior.strut_sigma = 0.2;
   constexpr double kBracket_hz = 130.0;
   prior.bracket_sigma_s2 = 1.0 / (kBracket_hz * kBracket_hz);
+  prior.delay_sigma = 0.02;
   prior.noise_m2_s4_hz = kLeastNoise_m_s2 * kLeastNoise_m_s2 / vehicle.drive.identification_rate_hz;
   return prior;
 }
@@ -257,7 +259,7 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<SpeedOnRoad> speed
   if (prior.strut_sigma > 0.0) strut_ = known_++;
   if (prior.bracket_sigma_s2 > 0.0) bracket_ = std::exchange(known_, known_ + channels_);
   for (const SpeedOnRoad& speed : speeds_) roads_ = std::max(roads_, speed.road + 1);
-  size_ = curves_of(roads_);
+  size_ = curves_of(roads_) + (prior.delay_sigma > 0.0 ? std::ssize(speeds_) : 0);
   const Eigen::JacobiSVD<MatrixXd> svd(prior.sensors, Eigen::ComputeFullU | Eigen::ComputeFullV);
   coordinates_ = svd.solve(MatrixXd::Identity(channels_, channels_));
   rigid_ = svd.matrixU().rightCols(channels_ - kCoordinates).transpose();
@@ -293,6 +295,16 @@ VectorXd CarPosterior::gains(const VectorXd& v) const {
 /// Place of a road's curves among the unknowns.
 Index CarPosterior::curves_of(int road) const {
   return known_ + road * kCurves * kShape;
+}
+
+/// Place of a speed's delay among the unknowns; -1: it is known exactly.
+Index CarPosterior::delay_of(Index speed) const {
+  return prior_.delay_sigma > 0.0 ? curves_of(roads_) + speed : -1;
+}
+
+double CarPosterior::delay_share(const VectorXd& v, Index speed) const {
+  const Index at = delay_of(speed);
+  return at < 0 ? 0.0 : prior_.delay_sigma * v(at);
 }
 
 bool CarPosterior::is_of_body(Index bin) const {
@@ -542,6 +554,11 @@ double CarPosterior::prior_value(const VectorXd& v, VectorXd* gradient) const {
     (*gradient)(at) += v(at);
     gradient->segment(at + 1, kShape - 1) += kDifferences.transpose() * bent;
   }
+  if (prior_.delay_sigma > 0.0) {
+    const Index count = std::ssize(speeds_);
+    value += 0.5 * v.tail(count).squaredNorm();
+    if (gradient) gradient->tail(count) += v.tail(count);
+  }
   return value;
 }
 
@@ -582,7 +599,8 @@ CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v, con
     Eigen::Matrix4cd u = bin.to_road *
                          sandwich(of.road_rows, bin.without_brackets(speed.same[b]), of.road_rows) *
                          bin.to_road.adjoint();
-    u.topRightCorner<2, 2>() = bin.to_front *
+    const Complex later = std::polar(1.0, -omega(k) * speed.delay_s() * delay_share(v, index_of(on)));
+    u.topRightCorner<2, 2>() = later * bin.to_front *
                                sandwich(of.front_rows, bin.without_brackets(speed.delayed[b]), of.rear_rows) *
                                bin.to_rear.adjoint();
     u.bottomLeftCorner<2, 2>() = u.topRightCorner<2, 2>().adjoint().eval();
@@ -592,6 +610,7 @@ CarPosterior::Roads CarPosterior::roads(const System& of, const VectorXd& v, con
                                       Eigen::Vector4d(left, right, left, right).asDiagonal();
     roads.bins.push_back(k);
     roads.road.push_back(u);
+    roads.later.push_back(later);
     roads.whitening.push_back(whitening);
     roads.level += whitening * u.real() * whitening.transpose();
     roads.log_shape += 2.0 * speed.count(k) * curves.row(k).head<kSides>().sum();
@@ -673,7 +692,7 @@ void CarPosterior::add_road_slopes(const System& of, const SpeedOnRoad& on, cons
     MatrixXd by_residual = MatrixXd::Zero(motion_, residuals_), by_road = MatrixXd::Zero(motion_, kRows);
 
     // Wheels of one axle.
-    const MatrixXcd delayed = bin.without_brackets(speed.delayed[b]);
+    const MatrixXcd delayed = roads.later[at] * bin.without_brackets(speed.delayed[b]);
     const MatrixXcd half = onto(bin.without_brackets(speed.same[b]), of.road_rows);
     const MatrixXcd on_map = bin.to_road.adjoint() * on_axle;
     by_road += (half * on_map * bin.to_road).real();
@@ -704,6 +723,10 @@ void CarPosterior::add_road_slopes(const System& of, const SpeedOnRoad& on, cons
     slopes.by_road += by_road;
     slopes.add_brackets(of.residual_rows, by_residual, bin);
     slopes.add_brackets(of.road_rows, by_road, bin);
+
+    if (const Index delay = delay_of(index_of(on)); delay >= 0)
+      gradient(delay) += 2.0 * prior_.delay_sigma * omega(k) * speed.delay_s() *
+                         across.cwiseProduct(roads.road[at].imag().topRightCorner<2, 2>()).sum();
 
     const Eigen::Matrix4d share = weight.cwiseProduct(roads.road[at].real());
     for (int side = 0; side < kSides; ++side)
@@ -811,7 +834,8 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
   // Real rows of L^-1/2 S L^-T/2, so that their products are traces.
   constexpr Index kEach = 32;
   constexpr Index kOwn = kCurves * kShape;  // unknowns of this road
-  const Index each = known_ + kOwn;
+  const Index delay = delay_of(index_of(on));
+  const Index each = known_ + kOwn + (delay < 0 ? 0 : 1);
   MatrixXd signal(each, kEach * std::ssize(roads.bins)), means = MatrixXd::Zero(each, kEach / 2);
   for (std::size_t at = 0; at < roads.bins.size(); ++at) {
     const Index k = roads.bins[at];
@@ -826,7 +850,7 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
       means.row(unknown) += weight * real.reshaped().transpose();
     };
     Eigen::Matrix4cd whitening = roads.whitening[at].cast<Complex>();
-    whitening.rightCols<2>() *= std::polar(1.0, omega(k) * speed.delay_s());
+    whitening.rightCols<2>() *= std::polar(1.0, omega(k) * speed.delay_s()) * std::conj(roads.later[at]);
     const Eigen::Matrix4cd back = whitening.inverse();
     for (Index a = 0; a < known_; ++a)
       put(a, whitening * road_by(of, k, rows_at(of, rows_by, a, k), a) * back);
@@ -839,12 +863,19 @@ void CarPosterior::add_road_information(const System& of, const VectorXd& v, con
       for (int b = 0; b < kShape; ++b)
         put(known_ + c * kShape + b, scale_of_curve(c) * by[static_cast<std::size_t>(b)](k) * change);
     }
+    if (delay < 0) continue;
+    const Complex step = kJ * prior_.delay_sigma * omega(k) * speed.delay_s();
+    put(known_ + kOwn, whitening * Eigen::Vector4cd(0.0, 0.0, step, step).asDiagonal() * back);
   }
   const MatrixXd all = signal * signal.transpose() - means * means.transpose() / roads.count;
   const Index curves = curves_of(on.road);
   information.topLeftCorner(known_, known_) += all.topLeftCorner(known_, known_);
-  information.block(curves, 0, kOwn, known_) += all.bottomLeftCorner(kOwn, known_);
-  information.block(curves, curves, kOwn, kOwn) += all.bottomRightCorner(kOwn, kOwn);
+  information.block(curves, 0, kOwn, known_) += all.block(known_, 0, kOwn, known_);
+  information.block(curves, curves, kOwn, kOwn) += all.block(known_, known_, kOwn, kOwn);
+  if (delay < 0) return;
+  information.row(delay).head(known_) += all.row(known_ + kOwn).head(known_);
+  information.row(delay).segment(curves, kOwn) += all.row(known_ + kOwn).segment(known_, kOwn);
+  information(delay, delay) += all(known_ + kOwn, known_ + kOwn);
 }
 
 void CarPosterior::add_prior_information(MatrixXd& information) const {
@@ -855,6 +886,7 @@ void CarPosterior::add_prior_information(MatrixXd& information) const {
     information(at, at) += 1.0;
     information.block(at + 1, at + 1, kShape - 1, kShape - 1) += kDifferences.transpose() * kDifferences;
   }
+  if (prior_.delay_sigma > 0.0) information.diagonal().tail(std::ssize(speeds_)).array() += 1.0;
 }
 
 namespace {

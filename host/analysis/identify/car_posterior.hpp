@@ -31,6 +31,9 @@ struct CarPrior {
   /// Of a channel's bracket, by which it reads 1 / (1 - b f^2) of what it is meant to: b = 1 / (its
   /// resonance)^2, 1/Hz^2.
   double bracket_sigma_s2 = 0.0;
+  /// Of the time from front to rear wheels, as a part of what rolling radius and wheelbase make it: tyres
+  /// wear, and grow with speed.  0: it is known exactly.
+  double delay_sigma = 0.0;
 
   /// As vehicle.toml has it.  Springs and tyres are good to 30 %, dampers and stabilisers to 50 %.
   /// @throws ConfigError as SensorMap::from
@@ -61,7 +64,7 @@ struct SpeedOnRoad {
 ///
 /// In each bin m channels give the body's residuals e = R y, which nothing shakes but noise (three equations,
 /// and m - 7 that say that the body is rigid), and the road u = U y under the four wheels, each wheel's row
-/// of (1) solved for it, the rear ones advanced by wheelbase / V:
+/// of (1) solved for it, the rear ones advanced by wheelbase / V, which each speed knows to delay_sigma only:
 ///
 ///     u_i = z_i + F_i / c_i,   c_i = ct_i + j om dt_i.
 ///
@@ -93,7 +96,7 @@ class CarPosterior {
   /// not known exactly, x in standard
   /// deviations of its prior (value e^(sigma x), of tyre dampers value + sigma x); then for each road of the
   /// shape of the left side, of the right one, and of the mixing of sides and of axles, a and b at its inner
-  /// knots.
+  /// knots; then each speed's delay, if it is not known exactly.
   Eigen::Index size() const { return size_; }
   ParameterVector parameters(const Eigen::VectorXd& v) const;
   Eigen::VectorXd gains(const Eigen::VectorXd& v) const;
@@ -114,6 +117,9 @@ class CarPosterior {
   /// Unknowns of the car and its sensors; those of the road's curves follow.
   Eigen::Index known() const { return known_; }
   Eigen::Index channels() const { return channels_; }
+  /// By which share of it the time from front to rear wheels is longer at a speed.
+  /// @param speed  place among those of construction
+  double delay_share(const Eigen::VectorXd& v, Eigen::Index speed) const;
   const CarPrior& prior() const { return prior_; }
 
   /// J; infinite where the car cannot be.
@@ -165,6 +171,8 @@ class CarPosterior {
   bool is_of_road(Eigen::Index bin) const;
   double omega(Eigen::Index bin) const { return speeds_.front().spectra->omega(bin); }
   Eigen::Index curves_of(int road) const;
+  Eigen::Index delay_of(Eigen::Index speed) const;
+  Eigen::Index index_of(const SpeedOnRoad& speed) const { return &speed - speeds_.data(); }
 
   CarPrior prior_;
   std::vector<SpeedOnRoad> speeds_;

@@ -38,6 +38,7 @@ CarPrior reference_car() {
   }
   prior.gain_sigma = VectorXd::Constant(kChannels, 0.01);
   prior.noise_m2_s4_hz = 1e-12;
+  prior.delay_sigma = 0.02;
   return prior;
 }
 
@@ -56,6 +57,7 @@ struct Drive {
   VectorXd gains = VectorXd::Ones(kChannels);
   /// The struts' signals: so many times their rates, and what has nothing to do with these.
   double friction_linear = 0.0, strut_rest = 0.0;
+  double later = 1.0;  ///< the delay's factor: the rolling radius is smaller than was thought
 
   SpectralMoments of(const CarPrior& car, const ParameterVector& parameters) const {
     SpectralMoments moments;
@@ -72,8 +74,9 @@ struct Drive {
       const double omega = moments.omega(k);
       const double n = omega / (2.0 * kPi * speed_m_s);
       const double density = 1e-6 * std::pow(n / 0.6, -exponent) / (1.0 + std::pow(n / kPatchWave_1_m, 2));
-      const Complex later = std::polar(1.0, -omega * kWheelbase_m / speed_m_s);
-      const Eigen::Vector4cd delay(1.0, 1.0, later, later);
+      const double delay_s = kWheelbase_m / speed_m_s;
+      const Complex rear = std::polar(1.0, -omega * later * delay_s);
+      const Eigen::Vector4cd delay(1.0, 1.0, rear, rear);
       const Eigen::Matrix4cd road =
           density * delay.asDiagonal() * level.cast<Complex>() * delay.conjugate().asDiagonal();
       const Eigen::Matrix<Complex, 7, 7> dynamic =
@@ -91,7 +94,7 @@ struct Drive {
       moments.same.push_back(segments * integral * spectrum * integral.adjoint());
       moments.same.back().bottomRightCorner(kStrutSignals, kStrutSignals).diagonal().array() +=
           segments * strut_rest;
-      moments.delayed.push_back(later * moments.same.back());
+      moments.delayed.push_back(std::polar(1.0, -omega * delay_s) * moments.same.back());
     }
     return moments;
   }
@@ -227,6 +230,32 @@ TEST(CarPosterior, ModeIsTheTruthWhereThePriorIsFarOff) {
     EXPECT_NEAR(gains(c) / gains(0) / (drive.gains(c) / drive.gains(0)), 1.0, 5e-4) << c;
   // The scale of masses is known by its prior alone: 25 parameters of which each mass has its own sigma.
   EXPECT_GT(mode.covariance(posterior.place(kBodyMass), posterior.place(kBodyMass)), 0.05);
+}
+
+// 0.5 % are 0.04 rad between front and rear at 12 Hz, where their coherence tells 0.002 rad.
+TEST(CarPosterior, ADelayThatIsLongerIsFoundAndMovesNothing) {
+  const CarPrior car = reference_car();
+  const Drive slowly{.speed_m_s = 25.0, .segments = 1e6, .later = 1.005};
+  const Drive fast{.speed_m_s = 34.0, .segments = 1e6, .later = 1.005};
+  const SpectralMoments at_25 = slowly.of(car, car.value), at_34 = fast.of(car, car.value);
+  const auto tyres_off = [&](const CarPosterior& posterior, const PosteriorMode& mode) {
+    const Eigen::Vector4d known = car.value.segment<kWheels>(kTyre);
+    const Eigen::Vector4d found = posterior.parameters(mode.v).segment<kWheels>(kTyre);
+    return (found.cwiseQuotient(known) - Eigen::Vector4d::Ones()).cwiseAbs().maxCoeff();
+  };
+  const std::vector<SpeedOnRoad> speeds{{&at_25}, {&at_34}};
+  const CarPosterior posterior(car, speeds);
+  const PosteriorMode mode = posterior_mode(posterior, VectorXd::Zero(posterior.size()));
+  EXPECT_TRUE(mode.converged);
+  EXPECT_LT(tyres_off(posterior, mode), 0.002);
+  EXPECT_NEAR(posterior.delay_share(mode.v, 0), 0.005, 2e-4);
+  EXPECT_NEAR(posterior.delay_share(mode.v, 1), 0.005, 2e-4);
+
+  CarPrior certain = car;
+  certain.delay_sigma = 0.0;
+  const CarPosterior of_certain(certain, speeds);
+  const PosteriorMode wrong = posterior_mode(of_certain, VectorXd::Zero(of_certain.size()));
+  EXPECT_GT(tyres_off(of_certain, wrong), 0.005) << "it does move the tyres of who takes it for known";
 }
 
 TEST(CarPosterior, ARoadOfAnotherExponentMovesNothing) {
