@@ -271,7 +271,7 @@ CarPosterior::CarPosterior(const CarPrior& prior, std::vector<SpeedOnRoad> speed
       same_[static_cast<std::size_t>(k)] += speed.spectra->same[static_cast<std::size_t>(k)];
   }
   scale_ << prior.value(kBodyMass), prior.value(kRollInertia), prior.value(kPitchInertia);
-  linearise_struts();
+  linearise_struts_by_rates();
 }
 
 ParameterVector CarPosterior::parameters(const VectorXd& v) const {
@@ -356,8 +356,8 @@ MatrixXcd CarPosterior::integrals(double omega) const {
   all.topRows(channels_) = unit;
   all.middleRows(channels_, channels_) = unit / (kJ * omega);
   all.middleRows(2 * channels_, channels_) = -unit / (omega * omega);
-  const MatrixXd strut = linear_ * stretch_ * coordinates_;
-  all.bottomRows(kStrutSignals) = strut / (kJ * omega);
+  const MatrixXd rates = stretch_ * coordinates_;
+  all.bottomRows(kStrutSignals) = linear_ * rates / (kJ * omega) + leading_ * rates;
   return all;
 }
 
@@ -371,10 +371,11 @@ Eigen::Vector4d CarPosterior::rebound(const VectorXd& v) const {
   return prior_.rebound_sigma * v.segment<kWheels>(rebound_);
 }
 
-/// What of the struts' signals a linear element would do as well, by the drive.
-void CarPosterior::linearise_struts() {
+/// By the regression on the rates.
+void CarPosterior::linearise_struts_by_rates() {
   stretch_ = strut_stretch(prior_.geometry);
   linear_.setZero();
+  leading_.setZero();
   MatrixXd rates = MatrixXd::Zero(kWheels, motion_);
   rates.middleCols(channels_, channels_) = stretch_ * coordinates_;
   Eigen::Matrix<double, kStrutSignals, kWheels> with = linear_;
@@ -387,6 +388,44 @@ void CarPosterior::linearise_struts() {
   for (int i = 0; i < kWheels; ++i)
     if (power(i) > 0.0)
       for (const int row : {i, kWheels + i}) linear_(row, i) = with(row, i) / power(i);
+}
+
+void CarPosterior::linearise_struts(const VectorXd& v) {
+  const System of = system(v);
+  MatrixXd rows = MatrixXd::Zero(kWheels + kStrutSignals, motion_);  // rates of the struts, and their signals
+  rows.block(0, channels_, kWheels, channels_) = stretch_ * coordinates_;
+  rows.bottomRightCorner<kStrutSignals, kStrutSignals>().setIdentity();
+  using Sums = Eigen::Array<double, kStrutSignals, 1>;
+  Sums constant = Sums::Zero(), leading = Sums::Zero(), count = Sums::Zero(), squares = Sums::Zero();
+  for (Index k = 0; k < bins_; ++k) {
+    if (!is_of_road(k)) continue;
+    const Bin& bin = of.bin[static_cast<std::size_t>(k)];
+    const MatrixXcd road = bin.to_road * of.road_rows * bin.unbracketed.matrix().asDiagonal();
+    for (const SpeedOnRoad& speed : speeds_) {
+      if (speed.spectra->count(k) <= 0.0) continue;
+      const MatrixXcd& x = speed.spectra->same[static_cast<std::size_t>(k)];
+      const MatrixXcd onto_road = x * road.adjoint();
+      const MatrixXcd with_road = rows * onto_road;
+      const Eigen::LDLT<Eigen::Matrix4cd> power(road * onto_road);
+      const MatrixXcd explained = power.solve(with_road.topRows(kWheels).adjoint());  // [4 x rate]
+      for (Index s = 0; s < kStrutSignals; ++s) {
+        const Index i = s % kWheels;
+        const double rate = (with_road.row(i) * explained.col(i)).value().real();
+        const Complex c = (with_road.row(kWheels + s) * explained.col(i)).value() / rate;
+        if (!std::isfinite(std::abs(c))) continue;
+        const double weight = speed.spectra->count(k);
+        constant(s) += weight * c.real();
+        leading(s) += weight * omega(k) * c.imag();
+        count(s) += weight;
+        squares(s) += weight * omega(k) * omega(k);
+      }
+    }
+  }
+  for (Index s = 0; s < kStrutSignals; ++s) {
+    if (count(s) <= 0.0) continue;
+    linear_(s, s % kWheels) = constant(s) / count(s);
+    leading_(s, s % kWheels) = leading(s) / squares(s);
+  }
 }
 
 std::vector<UncertainQuantity> CarPosterior::quantities() const {
@@ -939,11 +978,10 @@ class CurvatureBySteps {
 
 }  // namespace
 
-PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& start) {
+PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& start, double enough) {
   constexpr int kScoring = 6;  ///< steps by the information; those to come by what the steps show as well
   constexpr int kMostSteps = 60;
   constexpr double kRounding = 1e-11;  ///< of J, a sum of thousands that cancel
-  constexpr double kEnough = 1e-2;     ///< of twice what J gains: a step of a tenth of a standard deviation
   PosteriorMode mode{.v = start, .covariance = {}};
   VectorXd gradient, before;
   mode.value = posterior.value(mode.v, gradient);
@@ -960,7 +998,7 @@ PosteriorMode posterior_mode(const CarPosterior& posterior, const VectorXd& star
     }
     const double gain = -step.dot(gradient);
     if (!(gain > 0.0)) break;
-    if (gain < std::max(kEnough, kRounding * std::abs(mode.value))) mode.converged = true;
+    if (gain < std::max(enough, kRounding * std::abs(mode.value))) mode.converged = true;
     double part = 1.0;
     double value = posterior.value(mode.v + step);
     const double most = mode.value + 1e-9;

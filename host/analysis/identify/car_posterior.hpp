@@ -122,6 +122,18 @@ class CarPosterior {
   double delay_share(const Eigen::VectorXd& v, Eigen::Index speed) const;
   const CarPrior& prior() const { return prior_; }
 
+  /// Takes what the struts' signals do for linear elements of the road that the equations of a place show.
+  ///
+  /// A signal s of a strut's rate r is c r and a rest that the road does not make, c = a + j om b by least
+  /// squares over the road's bins with the road u as instrument: c = S_su S_uu^-1 S_ur / (S_ru S_uu^-1 S_ur).
+  /// The regression on the rate itself is too small, by half at 40 Hz: friction's rest moves the wheel as
+  /// well, against it.  Of what is linear the determinants in J are made; until this is called, of that
+  /// regression.
+  ///
+  /// Source: R. Pintelon, J. Schoukens, System Identification, 2nd ed., Wiley 2012, ch. 3 (best linear
+  /// approximation of a system in feedback).
+  void linearise_struts(const Eigen::VectorXd& v);
+
   /// J; infinite where the car cannot be.
   double value(const Eigen::VectorXd& v) const;
   /// J with its gradient.
@@ -136,7 +148,7 @@ class CarPosterior {
   struct Band;
   struct Roads;
   struct Slopes;
-  void linearise_struts();
+  void linearise_struts_by_rates();
   Eigen::Block<Eigen::MatrixXd> strut_rows(Eigen::MatrixXd& rows) const;
   Eigen::MatrixXd strut_columns(const Eigen::Vector4d& force) const;
   Eigen::MatrixXcd integrals(double omega) const;
@@ -183,8 +195,8 @@ class CarPosterior {
   Eigen::Index friction_ = -1, rebound_ = -1, strut_ = -1,
                bracket_ = -1;  ///< first of them among the unknowns; -1: there is none
   Eigen::Matrix<double, kWheels, kCoordinates> stretch_;
-  /// Of the struts' signals by their rates: what a linear element would have that does as much.
-  Eigen::Matrix<double, kStrutSignals, kWheels> linear_;
+  /// Of the struts' signals by their rates: a and b of linearise_struts.
+  Eigen::Matrix<double, kStrutSignals, kWheels> linear_, leading_;
   std::vector<int> parameter_;         ///< of the car that are unknown
   std::vector<Eigen::Index> channel_;  ///< whose gains are
   std::array<Eigen::Index, kParameters> place_;
@@ -204,6 +216,8 @@ struct PosteriorMode {
 };
 
 /// Searched by Fisher scoring from `start`, steps halved until J falls.
-PosteriorMode posterior_mode(const CarPosterior& posterior, const Eigen::VectorXd& start);
+/// @param enough  twice what J gains by the last step: by default that of a tenth of a standard deviation
+PosteriorMode posterior_mode(const CarPosterior& posterior, const Eigen::VectorXd& start,
+                             double enough = 1e-2);
 
 }  // namespace roadbalance

@@ -8,6 +8,10 @@
 namespace roadbalance {
 namespace {
 
+/// Of a search whose place only makes the struts' linear elements: twice what J gains, a step of a standard
+/// deviation.
+constexpr double kRoughly = 1.0;
+
 std::vector<SpeedOnRoad> speeds_of(const std::vector<PosteriorSums>& drives) {
   std::vector<SpeedOnRoad> all;
   int road = 0;
@@ -24,7 +28,10 @@ std::vector<SpeedOnRoad> speeds_of(const std::vector<PosteriorSums>& drives) {
 SolvedCar::SolvedCar(const CarPrior& prior, std::vector<PosteriorSums> drives)
     : drives_(std::move(drives)),
       car_(prior, speeds_of(drives_)),
-      mode_(posterior_mode(car_, Eigen::VectorXd::Zero(car_.size()))) {}
+      mode_(posterior_mode(car_, Eigen::VectorXd::Zero(car_.size()), kRoughly)) {
+  car_.linearise_struts(mode_.v);
+  mode_ = posterior_mode(car_, mode_.v);
+}
 
 std::optional<PosteriorCar> SolvedCar::with(std::span<const LineMoments> lines) const {
   if (!mode_.converged) return std::nullopt;

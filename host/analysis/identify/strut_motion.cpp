@@ -1,20 +1,11 @@
 #include "host/analysis/identify/strut_motion.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "common/types/angle_units.hpp"
 
 namespace roadbalance {
 namespace {
 
 constexpr double kStrutHighPass_hz = 0.1;
-
-/// 1 / (s^2 + sqrt(2) w s + w^2): its second state is the velocity behind a high-pass.
-ContinuousFilter velocity_filter() {
-  const double corner = kTurn * kStrutHighPass_hz;
-  return companion(Eigen::Vector2d(corner * corner, std::numbers::sqrt2 * corner));
-}
 
 }  // namespace
 
@@ -28,11 +19,13 @@ Eigen::Matrix<double, kWheels, kCoordinates> strut_stretch(const Geometry& geome
 }
 
 StrutMotion::StrutMotion(const Eigen::Ref<const Eigen::MatrixXd>& stretch, double rate_hz)
-    : stretch_(stretch), velocity_(discretise_ramp_invariant(velocity_filter(), 1.0 / rate_hz), kWheels) {}
+    : stretch_(stretch),
+      velocity_(discretise_ramp_invariant(butterworth(3, kStrutHighPass_hz), 1.0 / rate_hz), kWheels) {}
 
 void StrutMotion::update(const Eigen::Ref<const Eigen::ArrayXd>& acceleration,
                          Eigen::Ref<Eigen::ArrayXd> signals) {
-  const auto rate = velocity_.update((stretch_ * acceleration.matrix()).array()).col(1);
+  const auto state = velocity_.update((stretch_ * acceleration.matrix()).array());
+  const auto rate = (state.col(2) + 2.0 * state.col(1)) / (kTurn * kStrutHighPass_hz);
   signals.head<kWheels>() = (rate / kSmooth_m_s).tanh();
   signals.tail<kWheels>() = rate.abs();
 }
