@@ -68,11 +68,6 @@ struct Fields<Identification> {
     field(i.sigma_stabiliser_n_m, m.sigma_stabiliser_n_m);
     field(i.tyre_n_m, m.tyre_n_m);
     field(i.sigma_tyre_n_m, m.sigma_tyre_n_m);
-    field(i.condition, m.condition);
-    field(i.mass_share, m.mass_share);
-    field(i.sigma_mass_share, m.sigma_mass_share);
-    field(i.misfit, m.misfit);
-    field(i.misfit_chance, m.misfit_chance);
     field.rows(i.speed_class, m.speed_classes, kMaxSpeedClasses, [&](auto& speed_class, std::size_t k) {
       field(speed_class.speed_m_s, m.speed_m_s[k]);
       field(speed_class.seconds, m.speed_seconds[k]);

@@ -68,9 +68,6 @@ struct Identification {
   std::array<double, kWheels> spring_n_m{}, sigma_spring_n_m{}, damper_n_s_m{}, sigma_damper_n_s_m{};
   std::array<double, kAxles> stabiliser_n_m{}, sigma_stabiliser_n_m{};
   std::array<double, kWheels> tyre_n_m{}, sigma_tyre_n_m{};
-  double condition = 0;
-  std::array<double, 1 + kWheels> mass_share{}, sigma_mass_share{};        ///< all wheels, then each
-  std::array<double, 1 + kWheels> misfit{}, misfit_chance{1, 1, 1, 1, 1};  ///< body, then the wheels
   struct SpeedClass {
     double speed_m_s = 0;
     double seconds = 0;

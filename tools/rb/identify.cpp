@@ -107,7 +107,7 @@ int tell(const IdentifyOptions& options, const RecordedEstimate& found,
   if (options.json) {
     nlohmann::ordered_json result{{"wheels", wheels_json(identification, balance)},
                                   {"suspension", suspension_json(identification)}};
-    result.update(fit_json(identification));
+    result["speeds"] = speeds_json(identification);
     result["compensation"] = compensation_json(balance, found.compensation);
     result["remarks"] = found.diagnostics;
     if (options.overall)

@@ -41,36 +41,25 @@ std::string unbalances(const Json& wheels) {
       rows);
 }
 
-std::string stiffnesses(const Json& wheels, const Json& suspension, const Json& fit) {
+std::string stiffnesses(const Json& wheels, const Json& suspension) {
+  const bool sprung = !suspension.is_null();
   Rows rows;
-  for (std::size_t w = 0; w < kWheels; ++w) {
-    const bool sprung = !suspension.is_null(), judged = !fit["misfit"].is_null();
+  for (std::size_t w = 0; w < kWheels; ++w)
     rows.push_back(
         {words_of(wheels[w]["name"]),
          with_reach(wheels[w]["tyre_stiffness_n_m"], wheels[w]["sigma_tyre_stiffness_n_m"], "%.1f", 1e-3),
          sprung ? estimate(suspension["spring_n_m"][w], "%.2f", 1e-3) : "–",
-         sprung ? estimate(suspension["damper_n_s_m"][w], "%.0f") : "–",
-         judged ? figure(fit["misfit"][w + 1]["square"], "%.2f") : "–",
-         judged ? figure(fit["misfit"][w + 1]["chance"], "%.3f") : "–",
-         judged ? estimate(fit["mass_share"][w + 1], "%.2f", 100.0) : "–"});
-  }
-  std::string html = table({"wheel", "tyre, kN/m", "spring, kN/m", "damper, N s/m", "misfit (χ²)",
-                            "chance of as much", "mass seems to differ by, %"},
-                           rows);
-  std::string text;
-  if (!suspension.is_null())
-    text = "Stabilisers: front " + estimate(suspension["stabiliser_n_m"][0], "%.2f", 1e-3) + " kN/m, rear " +
-           estimate(suspension["stabiliser_n_m"][1], "%.2f", 1e-3) + " kN/m. ";
-  text += "Condition of the equations: " + figure(fit["condition"], "%.3g") + ".";
-  if (!fit["misfit"].is_null())
-    text += " Misfit of the body: " + figure(fit["misfit"][0]["square"], "%.2f") + ", chance of as much " +
-            figure(fit["misfit"][0]["chance"], "%.3f") + ".";
-  return html + paragraph(text);
+         sprung ? estimate(suspension["damper_n_s_m"][w], "%.0f") : "–"});
+  const std::string html = table({"wheel", "tyre, kN/m", "spring, kN/m", "damper, N s/m"}, rows);
+  if (!sprung) return html;
+  return html +
+         paragraph("Stabilisers: front " + estimate(suspension["stabiliser_n_m"][0], "%.2f", 1e-3) +
+                   " kN/m, rear " + estimate(suspension["stabiliser_n_m"][1], "%.2f", 1e-3) + " kN/m.");
 }
 
-std::string classes(const Json& fit) {
+std::string classes(const Json& speeds) {
   Rows rows;
-  for (const Json& one : fit["speeds"])
+  for (const Json& one : speeds)
     rows.push_back({figure(one["speed_m_s"], "%.1f", 3.6), figure(one["seconds"], "%.1f")});
   return rows.empty() ? "" : table({"steady at, km/h", "s"}, rows);
 }
@@ -137,13 +126,13 @@ std::string absences(const Json& proof) {
 
 std::string account_identification(const DriveReport& report) {
   const auto& [identification, balance] = report.found.estimate;
-  const Json wheels = wheels_json(identification, balance), fit = fit_json(identification);
+  const Json wheels = wheels_json(identification, balance);
   std::string remarks;
   for (const std::string& remark : report.found.diagnostics)
     remarks += element("li", markup_text(remark + "."));
   return element("h2", "Identification") +
          paragraph(identification_line(identification, report.found.refusal) + ".") + unbalances(wheels) +
-         stiffnesses(wheels, suspension_json(identification), fit) + classes(fit) +
+         stiffnesses(wheels, suspension_json(identification)) + classes(speeds_json(identification)) +
          (remarks.empty() ? "" : element("ul", remarks)) +
          element("p", "± is one standard deviation.", "facts");
 }

@@ -11,7 +11,6 @@
 #include "common/bus/channel_faults.hpp"
 #include "common/text/format.hpp"
 #include "host/analysis/balance/weight_plan.hpp"
-#include "host/analysis/identify/diagnostics.hpp"
 #include "tools/views/alarm_lines.hpp"
 
 namespace roadbalance {
@@ -114,9 +113,7 @@ std::string identification_line(const Identification& identification, const std:
   for (std::size_t w = 0; w < kWheels; ++w)
     line += format(" %.0f ± %.0f", identification.tyre_n_m[w] / 1e3,
                    shown_sigma(identification.sigma_tyre_n_m[w] / 1e3, 1.0));
-  line += " kN/m";
-  const std::string names = misfitting(identification);
-  return names.empty() ? line : line + "; DOES NOT FIT: " + names;
+  return line + " kN/m";
 }
 
 double shown_sigma(double sigma, double last_digit) {

@@ -26,8 +26,7 @@ std::vector<std::string> step_words(const Compensation& compensation);
 /// the balance is the correction.
 std::string left_words(const Balance& balance, const Compensation& compensation);
 
-/// "from 48 s of driving; tyres 214 ± 2 209 ± 2 221 ± 3 206 ± 2 kN/m", and who does not fit the model; or why
-/// not.
+/// "from 48 s of driving; tyres 214 ± 2 209 ± 2 221 ± 3 206 ± 2 kN/m"; or why not.
 /// @param missing  why the drive does not determine it, or the source of that; used if it does not
 std::string identification_line(const Identification& identification,
                                 const std::string& missing = "rb identify says what is missing");

@@ -160,14 +160,10 @@ TEST(Results, IdentificationAndLevelArriveAsTheyWereSent) {
   Identification sent{.sections = 4,
                       .state = Unknown::kNone,
                       .tyre_n_m = {1, 2, 3, 4},
-                      .condition = 12.0,
-                      .misfit_chance = {0.5, 0.25},
                       .speed_class = {{.speed_m_s = 25, .seconds = 80}}};
   const auto identification = decode_identification(encode(sent));
   ASSERT_TRUE(identification);
   EXPECT_EQ(identification->tyre_n_m, sent.tyre_n_m);
-  EXPECT_EQ(identification->condition, 12.0);
-  EXPECT_EQ(identification->misfit_chance, sent.misfit_chance);
   ASSERT_EQ(identification->speed_class.size(), 1u);
   EXPECT_EQ(identification->speed_class[0].seconds, 80);
 

@@ -39,10 +39,6 @@ void moments(Archive& archive, DriveMoments& m) {
   for (DriveMoments::Wheel& wheel : m.wheel) {
     instrument(archive, wheel.tyre);
     complex(archive, wheel.tyre_unbalance);
-    for (auto& check : wheel.check) {
-      instrument(archive, check.tyre);
-      complex(archive, check.tyre_unbalance);
-    }
   }
   matrix(archive, m.harmonic.normal);
   for (auto& row : m.harmonic.right)

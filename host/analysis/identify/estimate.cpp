@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -15,6 +14,10 @@ namespace {
 constexpr int kSuspension = kEstimatedTyre;  ///< unknowns of step 1: spring[4], damper[4], stabiliser[2]
 static_assert(kDamper - kSpring == kEstimatedDamper && kStabiliser - kSpring == kEstimatedStabiliser &&
               kTyre - kSpring == kEstimatedTyre);
+
+/// Step 1's equations, one for each body row and instrument.
+constexpr int kBodyEquations = kBodyCoordinates * kChassisInstruments;
+using BodyColumn = Eigen::Matrix<double, kBodyEquations, 1>;
 
 /// Each body row of (2) for each instrument with these parameters: mean force per instrument rms, over the
 /// row's mass, so that all equations have one unit.
@@ -95,35 +98,6 @@ std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, co
   const auto x = least_squares(equations.A, -equations.b);
   if (!x) return std::nullopt;
   return SuspensionVector(*x);
-}
-
-SuspensionConditioning suspension_conditioning(const DriveMoments& moments, const Geometry& geometry,
-                                               const ParameterVector& known) {
-  const BodyEquations equations = body_equations(moments, geometry, known);
-  const Eigen::MatrixXd A = equations.A.colwise().normalized();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& singular = svd.singularValues();
-  const Eigen::VectorXd x = svd.solve(-equations.b);
-  SuspensionConditioning found;
-  found.condition = singular(0) / singular(kSuspension - 1);
-  found.margin = singular(kSuspension - 1) * x.norm() / (A * x + equations.b).norm();
-  svd.matrixV().col(kSuspension - 1).cwiseAbs().maxCoeff(&found.weakest);
-  return found;
-}
-
-BodyFit body_fit(const DriveMoments& moments, const Geometry& geometry, const ParameterVector& known) {
-  const BodyEquations equations = body_equations(moments, geometry, known);
-  Eigen::Matrix<double, kBodyEquations, kSuspension + 2> A;
-  A.leftCols<kSuspension>() = equations.A;
-  for (int k = 0; k < 2; ++k)
-    A.col(kSuspension + k) =
-        known(kRollInertia + k) * body_forces(moments, unit_model(geometry, kRollInertia + k), known);
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  BodyFit fit{Eigen::Vector2d::Constant(kNone), BodyColumn::Constant(kNone)};
-  if (const auto x = least_squares(A, -equations.b)) fit.inertia_shares = x->tail<2>();
-  if (const auto x = least_squares(equations.A, -equations.b))
-    fit.residual = (equations.A * *x + equations.b) / equations.b.norm();
-  return fit;
 }
 
 UnknownSet suspension_unknowns() {

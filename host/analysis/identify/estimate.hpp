@@ -38,36 +38,6 @@ using SuspensionVector = Eigen::Matrix<double, kEstimatedTyre, 1>;
 std::optional<SuspensionVector> solve_suspension(const DriveMoments& moments, const Geometry& geometry,
                                                  const ParameterVector& known);
 
-/// How well step 1's equations A x = -b, columns of unit length, determine the suspension.
-struct SuspensionConditioning {
-  double condition = 0.0;  ///< of A: how many times a small disturbance may grow; 0: not judged
-  /// sigma_min |x| / |A x + b|: how many times as far A is from one that leaves a combination of the unknowns
-  /// free as the residual shows A to be off.  Where it is not well above 1 the estimate leans to nothing in
-  /// particular and no covariance shows by how much.
-  ///
-  /// Source: G. W. Stewart, J. Sun, Matrix Perturbation Theory, Academic Press 1990, ch. III (first-order
-  /// bounds hold as long as the perturbation is small beside sigma_min); the least perturbation that makes x
-  /// exact is |A x + b| / |x|.
-  double margin = 0.0;
-  int weakest = 0;  ///< place in UnknownVector with the largest share in the combination determined least
-};
-SuspensionConditioning suspension_conditioning(const DriveMoments& moments, const Geometry& geometry,
-                                               const ParameterVector& known);
-
-/// Step 1's equations, one for each body row and instrument.
-inline constexpr int kBodyEquations = kBodyCoordinates * kChassisInstruments;
-using BodyColumn = Eigen::Matrix<double, kBodyEquations, 1>;
-
-/// Results of step 1's equations beside the suspension.  NaN: the drive does not determine it.
-struct BodyFit {
-  /// By which share the body's roll and pitch inertia would have to be larger to fit best: one set of springs
-  /// must serve heave, roll and pitch alike.
-  Eigen::Vector2d inertia_shares;
-  /// Their residuals with the best suspension, as parts of |b|: the rest that nothing shakes.
-  BodyColumn residual;
-};
-BodyFit body_fit(const DriveMoments& moments, const Geometry& geometry, const ParameterVector& known);
-
 /// Solves the moments of a drive, in two steps:
 ///
 /// 1. Springs, dampers and stabilisers from the body's rows of (2) by least squares over all instruments;

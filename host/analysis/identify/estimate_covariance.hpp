@@ -9,28 +9,17 @@
 #include "common/vehicle/linear_model.hpp"
 #include "host/analysis/identify/drive_groups.hpp"
 #include "host/analysis/identify/estimate.hpp"
-#include "host/analysis/identify/first_order.hpp"
-#include "host/analysis/identify/goodness_of_fit.hpp"
 #include "host/analysis/identify/speed_classes.hpp"
 
 namespace roadbalance {
 
 /// How far an estimate is to be trusted.
 struct EstimateCovariance {
-  /// Covariance by what the drive scatters (jackknife, widened for few groups) and by what masses, inertias
-  /// and tyre dampers taken for known are good to.
-  UnknownMatrix drive, model;
-  SuspensionConditioning suspension;
-  /// Body, then the wheels.  The body's share is that of its roll inertia.
-  std::array<GoodnessOfFit, 1 + kWheels> fit{};
-  /// By which share the mass of all wheels seems to differ from what is taken for known; 0 sigma: not judged.
-  double mass_share = 0.0, sigma_mass_share = 0.0;
+  UnknownMatrix drive;  ///< by what the drive scatters: jackknife, widened for few groups
   /// By how much the drives' variance of each wheel's unbalance is that of their sections; 1: a single drive.
   std::array<double, kWheels> drives_ratio{1.0, 1.0, 1.0, 1.0};
   /// Factor of each unknown's variance for that.
   UnknownVector drives_widening = UnknownVector::Ones();
-  /// Unbalance and speed-independent force of each wheel; sigmas by what the drive scatters.
-  std::array<FirstOrderFit, kWheels> first_order{};
 };
 
 /// Values of the car that identification does not estimate, and how well they are known.

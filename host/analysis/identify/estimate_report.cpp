@@ -191,7 +191,6 @@ void EstimateReport::publish_body(const UnknownVector& x, const EstimateCovarian
     if (balance.state != Unknown::kNone) continue;
     put_unbalance(unbalance, covariance.drive.block<2, 2>(u, u), balance);
     balance.sigma_drive_g = balance.sigma_g;
-    put_unbalance(unbalance, (covariance.drive + covariance.model).block<2, 2>(u, u), balance);
     // No scatter of a drive shows how true its sensors are.
     const double gain = gain_variance(vehicle_, w);
     add_variance(balance, gain, gain);

@@ -21,8 +21,10 @@ double road_power(const DriveMoments& drive) {
   return sum / drive.seconds;
 }
 
-/// The value that chi^2(k) / k exceeds by chance once in a thousand.  Source: Wilson and Hilferty, see
-/// goodness_of_fit.hpp.
+/// The value that chi^2(k) / k exceeds by chance once in a thousand.
+///
+/// Source: E. B. Wilson, M. M. Hilferty, The distribution of chi-square, Proc. Nat. Acad. Sci. 17 (1931)
+/// 684-688.
 double thousandth(double k) {
   constexpr double kNormal = 3.09;
   return std::pow(1.0 - 2.0 / (9.0 * k) + kNormal * std::sqrt(2.0 / (9.0 * k)), 3);

@@ -20,10 +20,6 @@ DriveMoments& DriveMoments::operator+=(const DriveMoments& other) {
   for (std::size_t i = 0; i < wheel.size(); ++i) {
     wheel[i].tyre += other.wheel[i].tyre;
     wheel[i].tyre_unbalance += other.wheel[i].tyre_unbalance;
-    for (std::size_t k = 0; k < wheel[i].check.size(); ++k) {
-      wheel[i].check[k].tyre += other.wheel[i].check[k].tyre;
-      wheel[i].check[k].tyre_unbalance += other.wheel[i].check[k].tyre_unbalance;
-    }
   }
   harmonic += other.harmonic;
   body.normal += other.body.normal;
@@ -37,10 +33,6 @@ void DriveMoments::weigh_road(double factor) {
   for (Wheel& each : wheel) {
     each.tyre *= factor;
     each.tyre_unbalance *= factor;
-    for (Wheel::Check& check : each.check) {
-      check.tyre *= factor;
-      check.tyre_unbalance *= factor;
-    }
   }
 }
 

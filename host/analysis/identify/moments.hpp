@@ -50,7 +50,6 @@ struct InstrumentMoments {
 
 inline constexpr int kChassisInstrumentsPerSignal = 3;
 inline constexpr int kChassisInstruments = kChassisInstrumentsPerSignal * kCoordinates;
-inline constexpr int kWheelChecks = 2;
 
 /// Normal equations N U = sum_j force of right[.][j] on wheel j's row, for the unbalance phasors U of all
 /// wheels (harmonic.hpp).
@@ -91,13 +90,6 @@ struct DriveMoments {
     InstrumentMoments<double> tyre{};
     std::complex<double> tyre_unbalance =
         0.0;  ///< sum of W''(t) Om^2 r(t + lag): its share of U is Re{U ...}
-    /// The same at other lags, which the estimate does not use: they show whether the model fits
-    /// (goodness_of_fit.hpp).
-    struct Check {
-      InstrumentMoments<double> tyre{};
-      std::complex<double> tyre_unbalance = 0.0;
-    };
-    std::array<Check, kWheelChecks> check{};
   };
   std::array<Wheel, kWheels> wheel{};
 

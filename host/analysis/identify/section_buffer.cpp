@@ -11,8 +11,6 @@
 namespace roadbalance {
 namespace {
 
-/// Either side of the 20 ms at which a tyre's instrument shows nothing.
-constexpr std::array<double, kWheelChecks> kCheckLagS{0.010, 0.030};
 constexpr double kTaperS = 1.0;  ///< rise and fall, the whole section if that is shorter
 
 /// Three successive states of a scaled companion filter as w'', w', w: y_(j+2), y_(j+1) / wc, y_j / wc^2,
@@ -38,8 +36,7 @@ Eigen::Matrix<double, 3 * kRows, Eigen::Dynamic> tapered(const Eigen::MatrixXd& 
 }  // namespace
 
 Eigen::Index SectionBuffer::lag(double rate_hz) {
-  return samples_in(
-      std::max({chassis_instrument().lag_s, tyre_instrument().lag_s, kCheckLagS[0], kCheckLagS[1]}), rate_hz);
+  return samples_in(std::max(chassis_instrument().lag_s, tyre_instrument().lag_s), rate_hz);
 }
 
 Eigen::Index SectionBuffer::overlap(double rate_hz, Eigen::Index samples) {
@@ -51,7 +48,6 @@ SectionBuffer::SectionBuffer(const Geometry& geometry, double rate_hz, Eigen::In
       chassis_lag_(samples_in(chassis_instrument().lag_s, rate_hz)),
       tyre_lag_(samples_in(tyre_instrument().lag_s, rate_hz)),
       overlap_(overlap(rate_hz, samples)),
-      check_lag_{samples_in(kCheckLagS[0], rate_hz), samples_in(kCheckLagS[1], rate_hz)},
       chassis_filter_(discretise_ramp_invariant(chassis_instrument().filter, 1.0 / rate_hz), kCoordinates),
       tyre_filter_(discretise_ramp_invariant(tyre_instrument().filter, 1.0 / rate_hz), kWheels),
       taper_(c2_taper(samples, static_cast<double>(overlap_) / static_cast<double>(samples), 1.0 / rate_hz)),
@@ -130,19 +126,13 @@ void SectionBuffer::add_chassis(DriveMoments& sum, const Taper& taper) const {
 
 void SectionBuffer::add_tyre(DriveMoments& sum, const Taper& taper, int wheel, double omega) const {
   const auto w = tapered<1, kWheels>(tyre_states_, wheel, tyre_instrument().corner_hz, taper);
-  const auto gather = [&](Eigen::Index lag, InstrumentMoments<double>& tyre,
-                          std::complex<double>& unbalance) {
-    const Eigen::Matrix<double, 3, kSignals> products =
-        w * signals_.middleCols(lag, taper.value.size()).transpose();
-    const auto z = products.leftCols<kCoordinates>();
-    tyre = {z.row(0), z.row(1), z.row(2)};
-    unbalance =
-        omega * omega * std::complex<double>(products(0, cosine_row(wheel)), products(0, sine_row(wheel)));
-  };
+  const Eigen::Matrix<double, 3, kSignals> products =
+      w * signals_.middleCols(tyre_lag_, taper.value.size()).transpose();
+  const auto z = products.leftCols<kCoordinates>();
   auto& moments = sum.wheel[static_cast<std::size_t>(wheel)];
-  gather(tyre_lag_, moments.tyre, moments.tyre_unbalance);
-  for (std::size_t k = 0; k < moments.check.size(); ++k)
-    gather(check_lag_[k], moments.check[k].tyre, moments.check[k].tyre_unbalance);
+  moments.tyre = {z.row(0), z.row(1), z.row(2)};
+  moments.tyre_unbalance =
+      omega * omega * std::complex<double>(products(0, cosine_row(wheel)), products(0, sine_row(wheel)));
 }
 
 }  // namespace roadbalance

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
@@ -24,8 +23,7 @@ inline Eigen::Index samples_in(double seconds, double rate_hz) {
 ///
 /// Every section is closed by a C2 taper on its instruments, so that (2) holds for the finite section without
 /// end terms.  Instruments are those of instruments.hpp.  Their lags are positive (instrument past,
-/// acceleration future): the road to come and sensor noise then drop out.  A tyre's at lags of 10 and 30 ms
-/// is gathered to check the model by.
+/// acceleration future): the road to come and sensor noise then drop out.
 /// A section that follows another begins in its last second, where one taper falls as the other rises: their
 /// sum is 1, and nothing of a drive counts less.
 class SectionBuffer {
@@ -90,7 +88,6 @@ class SectionBuffer {
 
   double rate_hz_;
   Eigen::Index chassis_lag_, tyre_lag_, overlap_;
-  std::array<Eigen::Index, kWheelChecks> check_lag_;
   StateFilter chassis_filter_, tyre_filter_;
   Taper taper_;
   Geometry geometry_;

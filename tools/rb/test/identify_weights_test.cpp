@@ -113,8 +113,7 @@ TEST_F(IdentifyWeights, TellsStepsOfTheStockThatLeaveWhatItSays) {
     EXPECT_EQ(compensation["within_shop"], compensation["residual_g"].get<double>() <= 2.0);
   }
   expect_suspension(told["suspension"]);
-  EXPECT_EQ(told["misfit"].size(), 1U + kWheels);
-  EXPECT_EQ(told["mass_share"].size(), 1U + kWheels);
+  EXPECT_FALSE(told["speeds"].empty());
   EXPECT_LT(told["wheels"][0]["force_n"].get<double>(),
             3.5 * told["wheels"][0]["sigma_force_n"].get<double>())
       << "there is none";

@@ -32,36 +32,6 @@ TEST(Remarks, SayWhatEveryEstimateRestsOn) {
   EXPECT_TRUE(diagnostics(Identification{}, {}).empty()) << "nothing is known";
 }
 
-TEST(Remarks, SayThatMassesDoNotFit) {
-  Found found;
-  found.identification.mass_share[0] = -0.05;
-  found.identification.sigma_mass_share[0] = 0.03;
-  EXPECT_FALSE(found.contains("masses seem"));
-  EXPECT_EQ(misfitting(found.identification), "");
-  found.identification.sigma_mass_share[0] = 0.012;
-  EXPECT_TRUE(found.contains("masses seem 5 ± 1 % smaller than mass_kg"));
-  EXPECT_EQ(misfitting(found.identification), "all wheels together");
-}
-
-TEST(Remarks, NameTheWheelThatDoesNotFit) {
-  Found found;
-  found.identification.misfit_chance[1 + 2] = 1e-5;
-  found.identification.mass_share[1 + 2] = 0.01;
-  found.identification.sigma_mass_share[1 + 2] = 0.02;
-  EXPECT_TRUE(found.contains("rear_left: one linear car does not fit"));
-  EXPECT_FALSE(found.contains("its mass seems"));
-  EXPECT_EQ(misfitting(found.identification), "rear_left");
-  found.identification.mass_share[1 + 2] = 0.09;
-  EXPECT_TRUE(found.contains("its mass seems 9 ± 2 % larger"));
-}
-
-TEST(Remarks, SayThatTheBodyDoesNotFit) {
-  Found found;
-  found.identification.misfit_chance[0] = 1e-9;
-  EXPECT_EQ(misfitting(found.identification), "body");
-  EXPECT_TRUE(found.contains("heave, roll and pitch do not fit"));
-}
-
 Found not_separable(double least_km_h, double greatest_km_h) {
   Found found;
   for (Balance& wheel : found.balance) {

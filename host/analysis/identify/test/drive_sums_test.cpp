@@ -21,7 +21,7 @@ DriveMoments section(double speed_m_s, double value) {
   m.chassis_power[3] = 2.0 * value;
   m.wheel[1].tyre.w0(4) = 3.0 * value;
   m.wheel[1].tyre_unbalance = {4.0 * value, 5.0 * value};
-  m.wheel[2].check[1].tyre.w2(6) = 6.0 * value;
+  m.wheel[2].tyre.w2(6) = 6.0 * value;
   m.harmonic.normal(1, 2) = {7.0 * value, 8.0 * value};
   m.harmonic.right[2][3].w1(5) = {9.0 * value, -value};
   m.body.right(1) = {value, 0.1};
@@ -51,7 +51,7 @@ TEST(DriveSums, ComeBackBitForBit) {
   EXPECT_EQ(after->drift.drift_rad(0, 3), before.drift.drift_rad(0, 3));
   const DriveMoments a = after->classes.total(), b = before.classes.total();
   EXPECT_EQ(a.harmonic.right[2][3].w1(5), b.harmonic.right[2][3].w1(5));
-  EXPECT_EQ(a.wheel[2].check[1].tyre.w2(6), b.wheel[2].check[1].tyre.w2(6));
+  EXPECT_EQ(a.wheel[2].tyre.w2(6), b.wheel[2].tyre.w2(6));
 }
 
 TEST(DriveSums, RefusesWhatIsCutShortOrHasMore) {
@@ -71,7 +71,7 @@ TEST(DriveSums, WeighTheRoadOnlyWhereEquationsAreNoughtWithAnyFactor) {
   EXPECT_EQ(after.chassis[3].w1(2), 4.0 * before.chassis[3].w1(2));
   EXPECT_EQ(after.chassis_power[3], 4.0 * before.chassis_power[3]);
   EXPECT_EQ(after.wheel[1].tyre_unbalance, 4.0 * before.wheel[1].tyre_unbalance);
-  EXPECT_EQ(after.wheel[2].check[1].tyre.w2(6), 4.0 * before.wheel[2].check[1].tyre.w2(6));
+  EXPECT_EQ(after.wheel[2].tyre.w2(6), 4.0 * before.wheel[2].tyre.w2(6));
   EXPECT_EQ(after.harmonic.normal(1, 2), before.harmonic.normal(1, 2));
   EXPECT_EQ(after.body.right(1), before.body.right(1));
   EXPECT_EQ(after.seconds, before.seconds);
