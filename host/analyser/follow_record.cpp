@@ -87,7 +87,7 @@ class Follower {
   }
 
   void publish_remarks(const DriveEstimate& estimate) {
-    std::vector<std::string> sentences = diagnostics(estimate.identification, estimate.balance);
+    std::vector<std::string> sentences = diagnostics(estimate.balance);
     sentences.insert(sentences.end(), estimator_.remarks().begin(), estimator_.remarks().end());
     if (estimate.identification.sections > 0)  // else the refusal names them
       for (std::string& sentence : estimator_.clipped()) sentences.push_back(std::move(sentence));

@@ -94,7 +94,7 @@ RecordedEstimate recorded_estimate(DriveEstimate estimate, const DriveForces& fo
   const auto compensation = compensate_all(estimate.balance, forces, vehicle);
   std::optional<OverallPlan> overall;
   if (!forces.speed.empty()) overall = plan_overall(forces, vehicle, compensation);
-  return {estimate, {}, diagnostics(estimate.identification, estimate.balance), {}, compensation, overall};
+  return {estimate, {}, diagnostics(estimate.balance), {}, compensation, overall};
 }
 
 RecordedEstimate identify_record(const std::filesystem::path& folder, bool refine,

@@ -49,15 +49,10 @@ void remark_on_forces(const std::array<Balance, kWheels>& balance, std::vector<s
 
 }  // namespace
 
-std::vector<std::string> diagnostics(const Identification& identification,
-                                     const std::array<Balance, kWheels>& balance) {
+std::vector<std::string> diagnostics(const std::array<Balance, kWheels>& balance) {
   std::vector<std::string> sentences;
   if (std::ranges::none_of(balance, [](const Balance& b) { return b.state == Unknown::kNone; }))
     return sentences;
-  if (identification.state == Unknown::kNone)
-    sentences.emplace_back(
-        "the scale of grams and N/m rests on the wheels' masses and the sensors' gains in vehicle.toml: no "
-        "drive shows an error that all masses, or all gains, share");
   tell_forces(balance, sentences);
   remark_on_forces(balance, sentences);
   sentences.emplace_back(

@@ -10,7 +10,6 @@ namespace roadbalance {
 
 /// Sentences for the driver: what an estimate rests on, and what would help more.  None while nothing is
 /// known.
-std::vector<std::string> diagnostics(const Identification& identification,
-                                     const std::array<Balance, kWheels>& balance);
+std::vector<std::string> diagnostics(const std::array<Balance, kWheels>& balance);
 
 }  // namespace roadbalance

@@ -96,6 +96,7 @@ void EstimateReport::draw(const SpeedClasses& drive, const std::optional<Posteri
   refusal_ = roadbalance::refusal(car, *prior_, vehicle_);
   remarks_ = remarks_on_deviations(car, *prior_, vehicle_);
   if (!refusal_.empty()) return unknown(Unknown::kIllConditioned);
+  remarks_.insert(remarks_.begin(), remark_on_scale(*car));
   UnknownVector widened = UnknownVector::Ones();
   if (drives.size() > 1)
     if (const auto covariance = estimate_covariance(drive, priors_, drives)) {

@@ -53,7 +53,9 @@ class EstimateReport {
   const std::string& of_vehicle() const { return of_vehicle_; }
   /// The sensors do not determine what is asked for.
   void unfit(const std::string& why);
-  const std::vector<std::string>& remarks() const { return remarks_; }  ///< remarks_on_deviations
+  const std::vector<std::string>& remarks() const {
+    return remarks_;
+  }  ///< on what it rests, and on deviations
   /// That and what the newest estimate was refused for.
   std::string refusal(const PhaseDrift& drift) const;
 

@@ -54,6 +54,17 @@ std::optional<PosteriorCar> SolvedCar::with(std::span<const LineMoments> lines) 
       result.sigma(quantities[a].index) = deviation.sigma;
     result.deviations.push_back(deviation);
   }
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(car_.known()), gain = mass;
+  for (std::size_t a = 0; a < quantities.size(); ++a) {
+    const auto& [kind, index] = quantities[a];
+    const auto at = static_cast<Eigen::Index>(a);
+    if (kind == UncertainQuantity::Kind::kGain)
+      gain(at) = car_.prior().gain_sigma(index) / static_cast<double>(car_.channels());
+    if (kind == UncertainQuantity::Kind::kParameter && index >= kWheelMass && index < kWheelMass + kWheels)
+      mass(at) = car_.prior().sigma(index) / kWheels;
+  }
+  result.mass_scale_sigma = std::sqrt(mass.dot(heard.covariance * mass));
+  result.gain_scale_sigma = std::sqrt(gain.dot(heard.covariance * gain));
   return result;
 }
 

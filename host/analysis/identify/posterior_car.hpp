@@ -30,6 +30,8 @@ struct PosteriorCar {
   ParameterVector sigma = ParameterVector::Zero();  ///< of them, in their units; 0: known exactly
   std::vector<Deviation> deviations;                ///< of all that is uncertain
   std::array<WheelFirstOrder, kWheels> wheel;
+  /// Standard deviation of an error that all wheels' masses share, and of one that all gains share, 1.
+  double mass_scale_sigma = 0.0, gain_scale_sigma = 0.0;
 
   UnknownVector unknowns() const;  ///< of the car; unbalances are the corrections
 };

@@ -113,6 +113,14 @@ std::string refusal(const std::optional<PosteriorCar>& car, const CarPrior& prio
          advice(off->quantity.kind) + "; more driving does not mend it";
 }
 
+std::string remark_on_scale(const PosteriorCar& car) {
+  return format(
+      "the scale of grams and N/m rests on the wheels' masses (± %.1f %%) and the sensors' gains (± %.1f %%) "
+      "in "
+      "vehicle.toml: no drive shows an error that all masses, or all gains, share",
+      100.0 * car.mass_scale_sigma, 100.0 * car.gain_scale_sigma);
+}
+
 std::vector<std::string> remarks_on_deviations(const std::optional<PosteriorCar>& car, const CarPrior& prior,
                                                const VehicleConfig& vehicle) {
   std::vector<std::string> sentences;

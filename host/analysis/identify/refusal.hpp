@@ -22,6 +22,9 @@ inline constexpr double kToldSigmas = 3.5;
 std::string refusal(const std::optional<PosteriorCar>& car, const CarPrior& prior,
                     const VehicleConfig& vehicle);
 
+/// What the estimate rests on, and how well that is known: no drive shows it.
+std::string remark_on_scale(const PosteriorCar& car);
+
 /// What the drive shows of car and sensors beyond vehicle.toml, and what to do about it: the quantity that is
 /// farthest off, and struts whose dry friction is certain and greater than a good strut's.  The estimate has
 /// taken them up.

@@ -11,14 +11,12 @@ namespace roadbalance {
 namespace {
 
 struct Found {
-  Identification identification;
   std::array<Balance, kWheels> balance{};
   Found() {
-    identification.state = Unknown::kNone;
     for (Balance& wheel : balance) wheel.state = Unknown::kNone;
   }
   bool contains(const std::string& words) const {
-    return std::ranges::any_of(diagnostics(identification, balance), [&](const std::string& sentence) {
+    return std::ranges::any_of(diagnostics(balance), [&](const std::string& sentence) {
       return sentence.find(words) != std::string::npos;
     });
   }
@@ -26,10 +24,9 @@ struct Found {
 
 TEST(Remarks, SayWhatEveryEstimateRestsOn) {
   const Found found;
-  EXPECT_EQ(diagnostics(found.identification, found.balance).size(), 2U);
-  EXPECT_TRUE(found.contains("rests on the wheels' masses"));
+  EXPECT_EQ(diagnostics(found.balance).size(), 1U);
   EXPECT_TRUE(found.contains("couple unbalance"));
-  EXPECT_TRUE(diagnostics(Identification{}, {}).empty()) << "nothing is known";
+  EXPECT_TRUE(diagnostics({}).empty()) << "nothing is known";
 }
 
 Found not_separable(double least_km_h, double greatest_km_h) {
@@ -45,7 +42,7 @@ Found not_separable(double least_km_h, double greatest_km_h) {
 TEST(Remarks, SayOnceThatTheSpeedsDoNotSeparate) {
   const Found found = not_separable(110.0, 130.0);
   EXPECT_TRUE(found.contains("not separable: 110–130 km/h"));
-  EXPECT_EQ(diagnostics(found.identification, found.balance).size(), 4U);
+  EXPECT_EQ(diagnostics(found.balance).size(), 3U);
 }
 
 TEST(Remarks, SayUnbalanceAloneAndForceOfEachWheel) {

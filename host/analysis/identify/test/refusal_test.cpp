@@ -35,6 +35,14 @@ TEST(Refusal, IsNoneOfACarThatIsAsItIsTakenFor) {
   EXPECT_TRUE(remarks_on_deviations(drive.car, drive.prior, drive.vehicle).empty());
 }
 
+TEST(Refusal, ScaleIsSaidWithWhatMassesAndGainsAreGoodTo) {
+  PosteriorCar car;
+  car.mass_scale_sigma = 0.0123;
+  car.gain_scale_sigma = 0.004;
+  EXPECT_NE(remark_on_scale(car).find("masses (± 1.2 %) and the sensors' gains (± 0.4 %) in vehicle.toml"),
+            std::string::npos);
+}
+
 TEST(Refusal, AsksForMoreWhereADriveTellsNothing) {
   Drive drive;
   drive.car.reset();
