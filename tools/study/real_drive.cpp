@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numbers>
 #include <optional>
+#include <ranges>
 
 #include "common/types/angle_units.hpp"
 #include "host/analysis/identify/drive_estimator.hpp"
@@ -183,7 +184,8 @@ Json real_drive_errors(const RealDrive& drive, std::uint64_t seed, const std::fi
   if (const std::string refusal = estimator.refusal(); !refusal.empty())
     std::fprintf(stderr, "%s, drive %llu: %s\n", drive.hazard.name.c_str(),
                  static_cast<unsigned long long>(seed), refusal.c_str());
-  for (const std::string& remark : estimator.remarks())
+  // The first of an estimate is on its scale.
+  for (const std::string& remark : estimator.remarks() | std::views::drop(told ? 1 : 0))
     std::fprintf(stderr, "%s, drive %llu: %s\n", drive.hazard.name.c_str(),
                  static_cast<unsigned long long>(seed), remark.c_str());
   return wheels;
