@@ -116,8 +116,7 @@ std::string refusal(const std::optional<PosteriorCar>& car, const CarPrior& prio
 std::string remark_on_scale(const PosteriorCar& car) {
   return format(
       "the scale of grams and N/m rests on the wheels' masses (± %.1f %%) and the sensors' gains (± %.1f %%) "
-      "in "
-      "vehicle.toml: no drive shows an error that all masses, or all gains, share",
+      "in vehicle.toml: no drive shows an error that all masses, or all gains, share",
       100.0 * car.mass_scale_sigma, 100.0 * car.gain_scale_sigma);
 }
 

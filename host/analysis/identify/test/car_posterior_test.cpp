@@ -109,8 +109,9 @@ VectorXd some_place(const CarPosterior& posterior) {
 
 void expect_gradient(const CarPrior& car, const SpectralMoments& slow, const SpectralMoments& fast,
                      int road_of_fast = 0) {
-  const CarPosterior posterior(car, {{&slow}, {&fast, road_of_fast}});
+  CarPosterior posterior(car, {{&slow}, {&fast, road_of_fast}});
   const VectorXd v = some_place(posterior);
+  posterior.linearise_struts(v);
   VectorXd gradient;
   EXPECT_DOUBLE_EQ(posterior.value(v, gradient), posterior.value(v));
   for (Index a = 0; a < v.size(); ++a) {
@@ -160,7 +161,8 @@ TEST(CarPosterior, GradientIsTheDerivativeOfItsValueWhereStrutsAreNotLinear) {
 TEST(CarPosterior, FrictionThatIsNotThereIsNotFound) {
   const CarPrior car = car_with_any_struts();
   const SpectralMoments slow = kStruts.of(car, car.value), fast = kFasterStruts.of(car, car.value);
-  const CarPosterior posterior(car, {{&slow}, {&fast}});
+  CarPosterior posterior(car, {{&slow}, {&fast}});
+  posterior.linearise_struts(VectorXd::Zero(posterior.size()));
   const PosteriorMode mode = posterior_mode(posterior, VectorXd::Zero(posterior.size()));
   EXPECT_TRUE(mode.converged);
   EXPECT_LT(posterior.friction_n(mode.v).cwiseAbs().maxCoeff(), 1.0);
