@@ -23,7 +23,8 @@ std::vector<bool> bins_with_lines(std::size_t bins, Eigen::Index first, double s
   for (std::size_t k = 0; k < bins; ++k) {
     const double bin = static_cast<double>(first + static_cast<Eigen::Index>(k));
     for (const double rate : omega)
-      if (rate > 0.0 && std::abs(bin - rate / (kTurn * step_hz)) < kLineBins) masked[k] = true;
+      for (int order = 1; order <= kForceOrders; ++order)
+        if (rate > 0.0 && std::abs(bin - order * rate / (kTurn * step_hz)) < kLineBins) masked[k] = true;
   }
   return masked;
 }

@@ -12,7 +12,7 @@ namespace roadbalance {
 ///
 /// Sums over Hann-tapered segments of X X^H, and of the same as the rear wheels would have seen it on the
 /// front wheels' road: e^{-j om L/V} X X^H, with each segment's own speed.  Segments in which a wheel's line
-/// lies within kLineBins of a bin do not count there.  Segments overlap; each weighs as many independent bins
+/// of its first kForceOrders orders lies within kLineBins of a bin do not count there.  Segments overlap; each weighs as many independent bins
 /// as it brings (HannSegments).
 template <typename Matrix>
 struct SpeedSpectra {
