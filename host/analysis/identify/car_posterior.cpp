@@ -336,7 +336,7 @@ CarPosterior::Equations CarPosterior::equations(const VectorXd& v) const {
   of.rows.block(residuals_ + kWheels, 2 * channels_, kWheels, channels_) = coordinates.bottomRows(kWheels);
   of.rows.rightCols(kStrutSignals) << strut_columns(friction_n(v)),
       strut_columns(rebound(v).cwiseProduct(parameters.segment<kWheels>(kDamper)));
-  strut_rows(of.rows) *= strut_factor(v);
+  scale_strut_rests(of.rows, strut_factor(v));
   return of;
 }
 
@@ -458,18 +458,22 @@ MatrixXd CarPosterior::rows_at(const System& of, const std::vector<MatrixXd>& ro
   return by;
 }
 
-/// Of the struts' forces in the wheels' rows.
 double CarPosterior::strut_factor(const VectorXd& v) const {
   return strut_ < 0 ? 1.0 : std::exp(prior_.strut_sigma * v(strut_));
 }
 
-Eigen::Block<MatrixXd> CarPosterior::strut_rows(MatrixXd& rows) const {
-  return rows.block(residuals_, channels_, kWheels, motion_ - channels_);
+/// Of the struts' signals in the wheels' rows, takes `factor` of what they are beyond their linear elements.
+void CarPosterior::scale_strut_rests(MatrixXd& rows, double factor) const {
+  auto signals = rows.block(residuals_, 3 * channels_, kWheels, kStrutSignals);
+  const MatrixXd less = (1.0 - factor) * signals, rates = stretch_ * coordinates_;
+  rows.block(residuals_, 0, kWheels, channels_) += less * leading_ * rates;
+  rows.block(residuals_, channels_, kWheels, channels_) += less * linear_ * rates;
+  signals *= factor;
 }
 
 MatrixXd CarPosterior::wheel_forces(const VectorXd& v) const {
   Equations of = equations(v);
-  strut_rows(of.rows) /= strut_factor(v);
+  scale_strut_rests(of.rows, 1.0 / strut_factor(v));
   MatrixXd forces = of.rows.middleRows(residuals_, kWheels);
   const MatrixXd heights = of.rows.block(residuals_ + kWheels, 2 * channels_, kWheels, channels_);
   forces.middleCols(channels_, channels_) += of.tyre_damper.asDiagonal() * heights;
@@ -480,28 +484,31 @@ MatrixXd CarPosterior::wheel_forces(const VectorXd& v) const {
 /// Derivative of Equations::rows by an unknown of car or sensors.
 MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Index unknown) const {
   MatrixXd rows = MatrixXd::Zero(of.rows.rows(), of.rows.cols());
+  const double factor = strut_factor(v);
   if (strut_ >= 0 && unknown == strut_) {
-    MatrixXd all = of.rows;
-    strut_rows(rows) = prior_.strut_sigma * strut_rows(all);
-    return rows;
+    MatrixXd without = of.rows;
+    scale_strut_rests(without, 0.0);
+    return prior_.strut_sigma * (of.rows - without);
   }
   if (friction_ >= 0 && unknown >= friction_ && unknown < friction_ + kWheels) {
     rows.middleCols(3 * channels_, kWheels) =
         strut_columns(prior_.friction_sigma_n * Eigen::Vector4d::Unit(unknown - friction_));
-    strut_rows(rows) *= strut_factor(v);
+    scale_strut_rests(rows, factor);
     return rows;
   }
   if (rebound_ >= 0 && unknown >= rebound_ && unknown < rebound_ + kWheels) {
     const Index i = unknown - rebound_;
     rows.rightCols(kWheels) =
         strut_columns(prior_.rebound_sigma * parameters(v)(kDamper + i) * Eigen::Vector4d::Unit(i));
-    strut_rows(rows) *= strut_factor(v);
+    scale_strut_rests(rows, factor);
     return rows;
   }
   if (unknown >= std::ssize(parameter_)) {
     const Index c = channel_[static_cast<std::size_t>(unknown - std::ssize(parameter_))];
+    MatrixXd by_channels = of.rows;  // gains are not in the struts' signals, nor in their linear elements
+    scale_strut_rests(by_channels, 1.0 / factor);
     for (int k = 0; k < 3; ++k)
-      rows.col(k * channels_ + c) = -prior_.gain_sigma(c) * of.rows.col(k * channels_ + c);
+      rows.col(k * channels_ + c) = -prior_.gain_sigma(c) * by_channels.col(k * channels_ + c);
     return rows;
   }
   const int p = parameter_[static_cast<std::size_t>(unknown)];
@@ -519,7 +526,7 @@ MatrixXd CarPosterior::equations_by(const VectorXd& v, const Equations& of, Inde
   if (p >= kDamper && p < kStabiliser)
     rows.rightCols(kWheels) =
         strut_columns(step * rebound(v)(p - kDamper) * Eigen::Vector4d::Unit(p - kDamper));
-  strut_rows(rows) *= strut_factor(v);
+  scale_strut_rests(rows, factor);
   return rows;
 }
 

@@ -25,8 +25,10 @@ struct CarPrior {
   /// Of the struts' dry friction about 0 N, and of by how much of its mean a damper is harder in rebound.
   /// 0: there is none.
   double friction_sigma_n = 0.0, rebound_sigma = 0.0;
-  /// Of a factor of the struts' forces in the wheels' rows, as far as the road tells it: where struts are not
-  /// linear it takes up what would else be a wrong ratio of body to wheel masses.
+  /// Of a factor of what friction and rebound are beyond linear elements, in the wheels' rows.  Noise in the
+  /// rates makes the road rougher by it, and less of it smoother: without the factor all of the struts'
+  /// forces shrink, and with them the ratio of body to wheel masses, by 5 % in the world of `rb study
+  /// real-road`.
   double strut_sigma = 0.0;
   /// Of a channel's bracket, by which it reads 1 / (1 - b f^2) of what it is meant to: b = 1 / (its
   /// resonance)^2, 1/Hz^2.
@@ -109,7 +111,7 @@ class CarPosterior {
   Eigen::Vector4d rebound(const Eigen::VectorXd& v) const;      ///< share that a damper has more in rebound
   Eigen::VectorXd brackets_s2(const Eigen::VectorXd& v) const;  ///< [channel] b
   Eigen::Index first_bracket() const { return bracket_; }       ///< of the unknowns; -1: there is none
-  double strut_factor(const Eigen::VectorXd& v) const;          ///< of their forces in the wheels' rows
+  double strut_factor(const Eigen::VectorXd& v) const;  ///< of their non-linear rest, in the wheels' rows
   /// Rows of (1) of the four wheels, tyres included, on accelerations, velocities and displacements of the
   /// channels and the struts' signals [4 x motion]: what they leave is the unbalances' force and ct_i + j om
   /// dt_i times the road.  On motion of which the brackets' share is taken off (unbracketed).
@@ -149,7 +151,7 @@ class CarPosterior {
   struct Roads;
   struct Slopes;
   void linearise_struts_by_rates();
-  Eigen::Block<Eigen::MatrixXd> strut_rows(Eigen::MatrixXd& rows) const;
+  void scale_strut_rests(Eigen::MatrixXd& rows, double factor) const;
   Eigen::MatrixXd strut_columns(const Eigen::Vector4d& force) const;
   Eigen::MatrixXcd integrals(double omega) const;
   Equations equations(const Eigen::VectorXd& v) const;

@@ -70,8 +70,9 @@ std::string found_sentence(const Deviation& off, const CarPrior& prior, const Ve
     case Kind::kStruts:
       break;
   }
-  return format("the struts: their forces on body and wheels differ by a factor of %.2f ± %.2f", off.value,
-                off.sigma);
+  return format(
+      "the struts: what is not linear in their forces on body and wheels differs by a factor of %.2f ± %.2f",
+      off.value, off.sigma);
 }
 
 /// What to do about it.
